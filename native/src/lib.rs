@@ -1,0 +1,9 @@
+//! Stripe kernels and image decoding for `calibore`; no domain logic. Every kernel has a NumPy twin in Python that is its specification.
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    Ok(())
+}

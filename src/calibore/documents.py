@@ -1,0 +1,81 @@
+"""TOML documents checked against a pydantic model: a mistake is named with file, key and what is allowed."""
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
+
+from calibore.errors import InputError
+from calibore.units import parse_quantity
+
+
+class Document(BaseModel):
+    """A table of a TOML file: unknown keys, NaN and infinity are mistakes."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+
+
+def _quantity(dimension: str) -> Any:
+    def parse(value: Any) -> float:
+        if not isinstance(value, str):
+            raise ValueError(f"{value!r} has no unit; write it as text with one, e.g. \"{value} {_UNIT[dimension]}\"")
+        try:
+            return parse_quantity(value, dimension)
+        except InputError as error:
+            raise ValueError(str(error)) from error
+
+    return BeforeValidator(parse)
+
+
+_UNIT = {"length": "mm", "angle": "deg", "time": "s"}
+Length = Annotated[float, _quantity("length")]
+Angle = Annotated[float, _quantity("angle")]
+Time = Annotated[float, _quantity("time")]
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def read_document(path: Path, model: type[Model]) -> Model:
+    """`path` parsed as TOML and validated as `model`; raises InputError naming file, key, value and what is allowed."""
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise InputError(f"{path} does not exist; give the path of an existing file.") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read ({error}); check that it is a readable UTF-8 text file.") from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path} is not valid TOML: {error}. Correct that line.") from error
+    return validate(data, model, path=path)
+
+
+def validate(data: dict[str, Any], model: type[Model], *, path: Path) -> Model:
+    """`data` as `model`; the first mistake becomes one sentence."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        mistake = error.errors()[0]
+        more = f" ({error.error_count() - 1} more mistakes in this file.)" if error.error_count() > 1 else ""
+        raise InputError(f"{path}: {_sentence(mistake, model)}{more}") from error
+
+
+def _sentence(mistake: Any, model: type[BaseModel]) -> str:
+    where = tuple(part for part in mistake["loc"] if not str(part).startswith("function-"))
+    key = ".".join(str(part) for part in where) or "the document"
+    kind, message = mistake["type"], mistake["msg"].removeprefix("Value error, ")
+    if kind == "missing":
+        return f"key {key} is missing; add it."
+    if kind == "extra_forbidden":
+        allowed = ", ".join(sorted(_keys_at(model, where[:-1])))
+        return f"key {key} is not known; allowed here: {allowed}."
+    return f"key {key} = {mistake['input']!r} is wrong: {message[:1].lower()}{message[1:]}".rstrip(".") + "."
+
+
+def _keys_at(model: Any, where: tuple[Any, ...]) -> list[str]:
+    for part in where:
+        if isinstance(part, int):
+            continue
+        field = model.model_fields.get(part) if hasattr(model, "model_fields") else None
+        model = field.annotation if field else None
+        model = next((arg for arg in getattr(model, "__args__", ()) if hasattr(arg, "model_fields")), model)
+    return [field.alias or name for name, field in model.model_fields.items()] if hasattr(model, "model_fields") else []

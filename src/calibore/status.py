@@ -1,0 +1,42 @@
+"""Why a point is missing or suspect.
+
+One byte per point, stored with CF `flag_values` and `flag_meanings`. Statuses up to `SATURATED` carry a value; from
+`NO_PEAK` on the value is NaN.
+"""
+
+from enum import IntEnum
+
+
+class Status(IntEnum):
+    """Status of one point; see `MEANING` for the sentence shown to people."""
+
+    OK = 0
+    RESOLVED = 1
+    SATURATED = 2
+    NO_PEAK = 3
+    MULTIPLE = 4
+    OFF_RING = 5
+    NOT_LASER = 6
+    OUTSIDE_LENS = 7
+    GRAZING = 8
+    BEHIND = 9
+    NO_IMAGE = 10
+
+    @property
+    def has_value(self) -> bool:
+        return self <= Status.SATURATED
+
+
+MEANING: dict[Status, str] = {
+    Status.OK: "measured",
+    Status.RESOLVED: "several peaks on the ray, one chosen because it continues the ring",
+    Status.SATURATED: "measured on a saturated line",
+    Status.NO_PEAK: "no line found",
+    Status.MULTIPLE: "several peaks on the ray, none preferred",
+    Status.OFF_RING: "a peak that does not belong to the ring",
+    Status.NOT_LASER: "light of another colour or another line width than the laser's",
+    Status.OUTSIDE_LENS: "beyond what the lens law can image",
+    Status.GRAZING: "the camera ray only grazes the laser surface",
+    Status.BEHIND: "the meeting lies behind the camera",
+    Status.NO_IMAGE: "no usable image for this station",
+}
