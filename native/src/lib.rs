@@ -2,8 +2,12 @@
 
 use pyo3::prelude::*;
 
+mod decode;
+mod stripe;
+
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    Ok(())
+    decode::register(module)?;
+    stripe::register(module)
 }

@@ -1,0 +1,158 @@
+//! PNG, JPEG, TIFF and BMP files to arrays. Files are untrusted: whatever they hold, the answer is a whole image or an error, within a
+//! stated amount of memory. Alpha is dropped; orientation tags, gamma and colour profiles are ignored, for pixels are measurements here.
+
+mod bmp;
+mod jpeg;
+mod png;
+mod samples;
+mod tiff;
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::panic::{catch_unwind, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+
+use numpy::{Element, PyArray1, PyArrayMethods};
+use pyo3::exceptions::{PyIsADirectoryError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use samples::{Image, Samples};
+
+/// Most bytes that an image may have by default, decoded or as a file.
+const LIMIT: usize = 1_000_000_000;
+
+/// Longest signature looked at.
+const SIGNATURE: usize = 8;
+
+/// Why data is not a usable image: the middle of a sentence.
+type Decoded<T> = Result<T, String>;
+
+const TRUNCATED: &str = "it is truncated: the data end before the image is complete";
+
+#[derive(Clone, Copy)]
+enum Format {
+    Png,
+    Jpeg,
+    Tiff,
+    Bmp,
+}
+
+impl Format {
+    fn of(start: &[u8]) -> Decoded<Format> {
+        match start {
+            [] => Err("it is empty (0 bytes)".into()),
+            [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Ok(Format::Png),
+            [0xff, 0xd8, ..] => Ok(Format::Jpeg),
+            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Ok(Format::Tiff),
+            [b'B', b'M', ..] => Ok(Format::Bmp),
+            _ => Err("it is not a PNG, JPEG, TIFF or BMP image".into()),
+        }
+    }
+}
+
+/// Bytes of `width` x `height` pixels, refused where they exceed `limit` or there are none.
+fn checked_bytes(width: usize, height: usize, bytes_per_pixel: usize, limit: usize) -> Decoded<usize> {
+    match width.checked_mul(height).and_then(|pixels| pixels.checked_mul(bytes_per_pixel)) {
+        Some(0) => Err(format!("it declares {width} x {height} pixels")),
+        Some(bytes) if bytes <= limit => Ok(bytes),
+        _ => Err(format!("it declares {width} x {height} pixels, more than the limit of {limit} bytes")),
+    }
+}
+
+/// A panic in a decoder is a defect of the decoder, met on data it did not expect: an error like any other.
+fn guarded<T>(work: impl FnOnce() -> Decoded<T>) -> Decoded<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err("its data are corrupt (the decoder gave up)".into()))
+}
+
+fn decode(data: &[u8], limit: usize) -> Decoded<Image> {
+    let format = Format::of(&data[..data.len().min(SIGNATURE)])?;
+    guarded(|| match format {
+        Format::Png => png::decode(data, limit),
+        Format::Jpeg => jpeg::decode(data, limit),
+        Format::Tiff => tiff::decode(data, limit),
+        Format::Bmp => bmp::decode(data, limit),
+    })
+}
+
+fn size(mut reader: impl BufRead + Seek) -> Decoded<(usize, usize)> {
+    let start = reader.fill_buf().map_err(|error| error.to_string())?;
+    let format = Format::of(&start[..start.len().min(SIGNATURE)])?;
+    guarded(|| match format {
+        Format::Png => png::size(reader),
+        Format::Jpeg => jpeg::size(reader),
+        Format::Tiff => tiff::size(reader),
+        Format::Bmp => bmp::size(reader),
+    })
+}
+
+#[derive(FromPyObject)]
+enum Source<'py> {
+    #[pyo3(transparent, annotation = "bytes")]
+    Data(Bound<'py, PyBytes>),
+    #[pyo3(transparent, annotation = "str | os.PathLike[str]")]
+    Path(PathBuf),
+}
+
+/// Only regular files: a pipe or a device would never end.
+fn regular_file(path: &Path) -> PyResult<u64> {
+    let metadata = fs::metadata(path)?;
+    match metadata.is_file() {
+        true => Ok(metadata.len()),
+        false => Err(PyIsADirectoryError::new_err("it is not a regular file")),
+    }
+}
+
+fn read_file(path: &Path, limit: usize) -> PyResult<Vec<u8>> {
+    let length = regular_file(path)?;
+    match length > limit as u64 {
+        true => Err(PyValueError::new_err(format!("it has {length} bytes, more than the limit of {limit}"))),
+        false => Ok(fs::read(path)?),
+    }
+}
+
+fn array<'py, T: Element>(py: Python<'py>, samples: Vec<T>, shape: (usize, usize, usize)) -> PyResult<Bound<'py, PyAny>> {
+    let flat = PyArray1::from_vec(py, samples);
+    match shape {
+        (height, width, 1) => Ok(flat.reshape([height, width])?.into_any()),
+        (height, width, channels) => Ok(flat.reshape([height, width, channels])?.into_any()),
+    }
+}
+
+/// The image in `source` (a path, or the bytes of a file): an array (h, w) or (h, w, 3), uint8 or uint16.
+///
+/// Raises ValueError (the middle of a sentence: "it is truncated ...") for data that are not a whole image or need more than `limit`
+/// bytes, OSError for a file that cannot be read. The GIL is released meanwhile.
+#[pyfunction]
+#[pyo3(signature = (source, *, limit = LIMIT))]
+fn decode_image<'py>(py: Python<'py>, source: Source<'py>, limit: usize) -> PyResult<Bound<'py, PyAny>> {
+    let image = match &source {
+        Source::Data(data) => {
+            let data = data.as_bytes();
+            py.detach(|| decode(data, limit).map_err(PyValueError::new_err))
+        }
+        Source::Path(path) => py.detach(|| decode(&read_file(path, limit)?, limit).map_err(PyValueError::new_err)),
+    }?;
+    let shape = (image.height, image.width, image.channels);
+    match image.samples {
+        Samples::Eight(samples) => array(py, samples, shape),
+        Samples::Sixteen(samples) => array(py, samples, shape),
+    }
+}
+
+/// (width, height) in pixels from the header of `source` alone; errors as for `decode_image`.
+#[pyfunction]
+fn image_size(py: Python<'_>, source: Source<'_>) -> PyResult<(usize, usize)> {
+    match &source {
+        Source::Data(data) => size(Cursor::new(data.as_bytes())).map_err(PyValueError::new_err),
+        Source::Path(path) => py.detach(|| {
+            regular_file(path)?;
+            size(BufReader::new(File::open(path)?)).map_err(PyValueError::new_err)
+        }),
+    }
+}
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(decode_image, module)?)?;
+    module.add_function(wrap_pyfunction!(image_size, module)?)
+}

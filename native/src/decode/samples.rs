@@ -1,0 +1,67 @@
+//! Decoded pixels and the few rearrangements that several formats share.
+
+use super::Decoded;
+
+pub enum Samples {
+    Eight(Vec<u8>),
+    Sixteen(Vec<u16>),
+}
+
+/// Pixels in rows from the top, `channels` (1 or 3) samples each.
+pub struct Image {
+    pub height: usize,
+    pub width: usize,
+    pub channels: usize,
+    pub samples: Samples,
+}
+
+impl Image {
+    /// From pixels of `stored` samples: one or two are grey (+ alpha), three or four colour (+ alpha). Alpha is dropped.
+    pub fn without_alpha((width, height): (usize, usize), stored: usize, samples: Samples) -> Image {
+        let channels = if stored < 3 { 1 } else { 3 };
+        let samples = match samples {
+            Samples::Eight(samples) => Samples::Eight(first_channels(samples, stored, channels)),
+            Samples::Sixteen(samples) => Samples::Sixteen(first_channels(samples, stored, channels)),
+        };
+        Image { height, width, channels, samples }
+    }
+
+    /// From one palette index per pixel: colour, or grey where the whole palette is grey.
+    pub fn from_palette((width, height): (usize, usize), indices: &[u8], palette: &[[u8; 3]]) -> Decoded<Image> {
+        if indices.iter().any(|&index| usize::from(index) >= palette.len()) {
+            return Err("its data are corrupt (a pixel names a colour that is not in the palette)".into());
+        }
+        let grey = palette.iter().all(|colour| colour[0] == colour[1] && colour[1] == colour[2]);
+        let colour_of = |index: &u8| palette[usize::from(*index)];
+        let (channels, samples) = match grey {
+            true => (1, indices.iter().map(|index| colour_of(index)[0]).collect()),
+            false => (3, indices.iter().map(colour_of).collect::<Vec<_>>().into_flattened()),
+        };
+        Ok(Image { height, width, channels, samples: Samples::Eight(samples) })
+    }
+}
+
+fn first_channels<T: Copy>(mut samples: Vec<T>, stored: usize, kept: usize) -> Vec<T> {
+    if stored == kept {
+        return samples;
+    }
+    let pixels = samples.len() / stored;
+    for pixel in 0..pixels {
+        samples.copy_within(pixel * stored..pixel * stored + kept, pixel * kept);
+    }
+    samples.truncate(pixels * kept);
+    samples
+}
+
+/// Samples of `bits` (1, 2, 4 or 8) bits, most significant first, one byte each; every row starts on a byte, `stride` bytes apart.
+pub fn unpacked(packed: &[u8], width: usize, bits: usize, stride: usize) -> Vec<u8> {
+    let (per_byte, mask) = (8 / bits, ((1u16 << bits) - 1) as u8);
+    let sample = |row: &[u8], column: usize| row[column / per_byte] >> (8 - bits * (column % per_byte + 1)) & mask;
+    let mut samples = vec![0; packed.len() / stride * width];
+    for (row, target) in packed.chunks_exact(stride).zip(samples.chunks_exact_mut(width)) {
+        for (column, target) in target.iter_mut().enumerate() {
+            *target = sample(row, column);
+        }
+    }
+    samples
+}

@@ -1,0 +1,32 @@
+"""Where pictures come from: folders of image files, videos, and the tables that say where each was taken.
+
+An `ImageSource` hands out one station after the other, so that a survey never has to fit into memory. Pixels are
+measurements: orientation tags, gamma and colour profiles are ignored, alpha is dropped, `image[v, u]` is what the
+sensor wrote.
+"""
+
+from calibore.images._folder import ImageFolder
+from calibore.images._pattern import FIELDS, NamePattern
+from calibore.images._reading import LIMIT, image_size, read_image
+from calibore.images._source import ImageSource, Pixels, Refusal, StationImages
+from calibore.images._tables import Odometry, StationRow, read_odometry, read_station_table
+from calibore.images._video import CHANNELS, Video
+
+__all__ = [
+    "CHANNELS",
+    "FIELDS",
+    "LIMIT",
+    "ImageFolder",
+    "ImageSource",
+    "NamePattern",
+    "Odometry",
+    "Pixels",
+    "Refusal",
+    "StationImages",
+    "StationRow",
+    "Video",
+    "image_size",
+    "read_image",
+    "read_odometry",
+    "read_station_table",
+]

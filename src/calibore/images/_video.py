@@ -1,0 +1,225 @@
+"""A video as a row of stations: frames in order, the luma plane as it was coded."""
+
+from bisect import bisect_left, insort
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from calibore.errors import ImageError, InputError
+from calibore.images._source import Pixels, Refusal, StationImages
+from calibore.images._tables import Odometry
+
+CHANNELS = ("luma", "red", "green", "blue")
+
+FAILING_ON_DAMAGE = ("h264", "mjpeg")
+"""Decoders that must be told to fail on damage instead of patching it up unmarked; others (MPEG-2) mark such frames."""
+
+CORRUPT = "the video data are corrupt there, or in a frame that it builds on"
+SHORT_FILE = "the video file ends before the frames that it announces"
+SHORT_ODOMETRY = "odometry shorter than the video"
+
+
+@dataclass(frozen=True)
+class Video:
+    """The frames of a video file, one station each: station = frame number from 0, take 0, time since its start.
+
+    `channel` "luma" gives the luma plane, shape (h, w), without any colour conversion and in the range it was coded
+    (limited range stays limited); "red", "green" and "blue" give colour, shape (h, w, 3). 9 to 16 bit video comes as
+    uint16 scaled to 16 bits. Frames outside the times of `odometry` and corrupt frames are left out and counted in
+    `refusals`. Decoding happens in `stations`, in the thread that iterates, one frame at a time.
+
+    Raises InputError for a file that is not a readable video, or (at the end of `stations`) if it has no usable frame.
+    """
+
+    path: Path
+    channel: str = "luma"
+    odometry: Odometry | None = None
+    width: int = field(init=False)
+    height: int = field(init=False)
+    expected_stations: int | None = field(init=False)
+    _refused: "_Refusals" = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.channel not in CHANNELS:
+            raise InputError(f'Video channel "{self.channel}" is not known; allowed: {", ".join(CHANNELS)}.')
+        container, stream = _opened(self.path)
+        with container:
+            if not stream.width or not stream.height:
+                raise InputError(
+                    f'Video "{self.path}" does not say how large its frames are; convert it to H.264 in MP4.'
+                )
+            found = (stream.width, stream.height, stream.frames or None)
+        for name, value in zip(("width", "height", "expected_stations"), found, strict=True):
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "_refused", _Refusals())
+
+    @property
+    def refusals(self) -> tuple[Refusal, ...]:
+        return self._refused.all()
+
+    def stations(self) -> Iterator[StationImages]:
+        """The frames in order of presentation."""
+        self._refused.clear()
+        usable = False
+        container, stream = _opened(self.path)
+        with container:
+            constant_rate = container.format.name == "avi"  # AVI stores no presentation times
+            for number, time, frame in _Numbered(stream, self._refused, constant_rate=constant_rate).frames(container):
+                if self.odometry is not None and not self.odometry.covers(time):
+                    self._refused.add(SHORT_ODOMETRY, number)
+                    continue
+                usable = True
+                yield _station(number, time, _pixels(frame, self.channel))
+        if not usable:
+            why = "; ".join(map(str, self.refusals)) or "it holds none"
+            raise InputError(f'Video "{self.path}" has no usable frame ({why.rstrip(".")}); give another recording.')
+
+
+class _Refusals:
+    """Why frames were left out: how many for each reason, and the first."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[str] = Counter()
+        self._first: dict[str, int] = {}
+
+    def clear(self) -> None:
+        self._counts.clear()
+        self._first.clear()
+
+    def add(self, reason: str, station: int, count: int = 1) -> None:
+        self._counts[reason] += count
+        self._first.setdefault(reason, station)
+
+    def all(self) -> tuple[Refusal, ...]:
+        return tuple(Refusal(reason, count, self._first[reason]) for reason, count in self._counts.items())
+
+
+def _opened(path: Path) -> tuple[Any, Any]:
+    """Container and video stream."""
+    import av  # 0.1 s
+    from av.error import FFmpegError
+
+    try:
+        if not path.is_file():  # PyAV would take the text for an address
+            raise InputError(f'Video "{path}" does not exist; give the path of an existing file.')
+        container = av.open(str(path), options={"protocol_whitelist": "file"})
+    except (FFmpegError, OSError) as error:
+        raise InputError(f'Video "{path}" cannot be read ({error.strerror}); give a readable video file.') from error
+    stream = next(iter(container.streams.video), None)
+    if stream is None:
+        container.close()
+        raise InputError(f'"{path}" has no video stream; give a video file.')
+    if stream.codec_context is None:
+        container.close()
+        raise InputError(f'Video "{path}" has an unknown or damaged coding; convert it to H.264 in MP4.')
+    if stream.codec_context.name in FAILING_ON_DAMAGE:
+        stream.codec_context.options = {"err_detect": "explode"}
+    return container, stream
+
+
+class _Numbered:
+    """Decoded frames with their number and time [s]; a frame that is lost keeps its number.
+
+    Frames between a loss and the next key frame build on what was lost: they would look right and be wrong.
+    """
+
+    def __init__(self, stream: Any, refused: _Refusals, *, constant_rate: bool) -> None:
+        self._stream = stream
+        self._refused = refused
+        self._constant_rate = constant_rate
+        self._next = 0
+        self._lost: list[int] = []  # presentation times of lost frames still to come
+        self._damaged_from: int | None = None
+
+    def frames(self, container: Any) -> Iterator[tuple[int, float, Any]]:
+        packets = 0
+        for packet in _packets(container, self._stream):
+            packets += packet.size > 0
+            for frame in self._decoded(packet):
+                self._next += self._lost_before(frame.pts)
+                number = self._next
+                self._next += 1
+                if self._is_sound(frame):
+                    yield number, self._time(frame, number), frame
+                else:
+                    self._refused.add(CORRUPT, number)
+        if packets < self._stream.frames:
+            self._refused.add(SHORT_FILE, packets, self._stream.frames - packets)
+
+    def _decoded(self, packet: Any) -> list[Any]:
+        from av.error import FFmpegError
+
+        try:
+            return packet.decode()
+        except FFmpegError:
+            self._refused.add(CORRUPT, self._next)
+            if packet.pts is None:
+                self._next += 1
+            else:
+                insort(self._lost, packet.pts)
+            self._damaged_from = packet.pts or 0
+            return []
+
+    def _is_sound(self, frame: Any) -> bool:
+        if frame.is_corrupt:
+            self._damaged_from = frame.pts or 0
+        elif self._damaged_from is not None and frame.key_frame and (frame.pts or 0) >= self._damaged_from:
+            self._damaged_from = None
+        return self._damaged_from is None
+
+    def _lost_before(self, time: int | None) -> int:
+        """How many lost frames come before the frame of this time, the first time that one asks."""
+        passed = len(self._lost) if time is None else bisect_left(self._lost, time)
+        del self._lost[:passed]
+        return passed
+
+    def _time(self, frame: Any, number: int) -> float:
+        if frame.pts is None or self._constant_rate:
+            return number / float(self._stream.average_rate or 1)
+        return float((frame.pts - (self._stream.start_time or 0)) * frame.time_base)
+
+
+def _packets(container: Any, stream: Any) -> Iterator[Any]:
+    """Packets up to the end of what can be read."""
+    from av.error import FFmpegError
+
+    packets = container.demux(stream)
+    while True:
+        try:
+            packet = next(packets)
+        except (StopIteration, FFmpegError):
+            return
+        yield packet
+
+
+def _station(number: int, time: float, pixels: Pixels) -> StationImages:
+    def read(take: int) -> Pixels:
+        if take != 0:
+            raise ImageError(f"Frame {number} has no take {take}; a video has take 0 only.")
+        return pixels
+
+    return StationImages(number, (0,), read, time_s=time)
+
+
+def _pixels(frame: Any, channel: str) -> Pixels:
+    if channel != "luma":
+        return frame.to_ndarray(format="rgb24")
+    if not frame.format.name.startswith(("yuv4", "yuvj4", "gray", "nv12", "nv21", "p01")):
+        return frame.to_ndarray(format="gray")
+    return _plane(frame, frame.format.components[0].bits)
+
+
+def _plane(frame: Any, bits: int) -> Pixels:
+    """The first plane without the padding at the end of its lines."""
+    plane = frame.planes[0]
+    lines = np.frombuffer(plane, np.uint8)[: plane.line_size * frame.height].reshape(frame.height, plane.line_size)
+    if bits <= 8:
+        return lines[:, : frame.width].copy()
+    order = ">u2" if frame.format.name.endswith("be") else "<u2"
+    stored_high = frame.format.name.startswith("p01")  # these hold their bits at the top already
+    scaled = lines[:, : 2 * frame.width].copy().view(order).astype(np.uint16)
+    return np.left_shift(scaled, np.uint16(0 if stored_high else 16 - bits), dtype=np.uint16)

@@ -1,0 +1,58 @@
+"""What a laser surface is, and what a meeting of a camera ray with it looks like."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from enum import IntFlag
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+GRAZING_SINE = 0.01  # sine of the angle between ray and surface; there a pixel of 0.1 deg moves the meeting by 17 %
+
+
+class MeetingFlag(IntFlag):
+    """`NONE`: the ray has no such meeting. `NEAR`, `FAR`: which root; a plane has the near one only."""
+
+    NONE = 0
+    NEAR = 1
+    FAR = 2
+    GRAZING = 4
+    BEHIND = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Meetings:
+    """`distance` (m, n) along each of n rays to its m possible meetings, and their `flags` (m, n) uint8.
+
+    A meeting is admissible, that is lit and seen, when it exists and is neither grazing nor behind.
+    """
+
+    distance: NDArray[Any]
+    flags: NDArray[np.uint8]
+
+    @property
+    def admissible(self) -> NDArray[np.bool_]:
+        return (self.flags != MeetingFlag.NONE) & (self.flags & (MeetingFlag.GRAZING | MeetingFlag.BEHIND) == 0)
+
+
+class LaserSurface(ABC):
+    """F(x; q) = 0 in the rig frame. `parameter_names`: the q, in the order of `parameter_gradient`."""
+
+    parameter_names: ClassVar[tuple[str, ...]]
+
+    @abstractmethod
+    def value(self, points: NDArray[Any]) -> NDArray[Any]:
+        """F (n,) at `points` (n, 3)."""
+
+    @abstractmethod
+    def gradient(self, points: NDArray[Any]) -> NDArray[Any]:
+        """dF/dx (n, 3) at `points` (n, 3)."""
+
+    @abstractmethod
+    def parameter_gradient(self, points: NDArray[Any]) -> NDArray[Any]:
+        """dF/dq (n, q) at `points` (n, 3)."""
+
+    @abstractmethod
+    def meet(self, origins: NDArray[Any], directions: NDArray[Any]) -> Meetings:
+        """All meetings of the rays `origins` (n, 3) or (3,) + distance x unit `directions` (n, 3)."""

@@ -1,0 +1,264 @@
+"""All quantities of one ring, each with its standard uncertainty, extreme values freed of noise bias.
+
+How the bias of extreme values is removed. (1) The wall is estimated, not the points: a Fourier series whose harmonics
+are weighed by evidence at the known noise, plus Gaussian processes on dents, rails and edges. (2) Extremes are taken of
+that wall. (3) A parametric bootstrap (fixed seed: same input, same bytes) sends the estimated wall plus noise of the
+known covariance through the same smoother; mean minus plug-in value is subtracted. (4) Ovalities end at zero: a
+smaller one is reported as zero. The uncertainty is the root mean square distance, from the reported value, of the
+quantity over walls that agree with the data, the common modes drawn with each wall as a whole.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import InputError
+from calibore.metrics import _definitions as definitions
+from calibore.metrics._draws import WallGrid, regular_size, wall_grid
+from calibore.metrics._shape import RingShape
+from calibore.metrics._wall import Wall, estimate_wall
+from calibore.uncertainty import Quantity
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+LEAST_POINTS = 8
+FEW_POINTS = 40
+LEAST_DIRECTIONS = 0.5
+OFF_CENTRE = 0.1  # of the radius
+LINEAR = ("diameter_mean", "area", "diameter_equivalent_area", "perimeter", "diameter_horizontal", "diameter_vertical")
+OVALITIES = ("ovality_f1216_max", "ovality_f1216_min", "ovality_range", "ovality_harmonic")
+EXTREMES = ("diameter_min", "diameter_max", *OVALITIES[:3])
+DEFLECTIONS = {"deflection": "min", "deflection_horizontal": "horizontal", "deflection_vertical": "vertical"}
+NOTHING = Quantity(np.nan, np.nan)
+
+
+@dataclass(frozen=True)
+class RingQuantities:
+    """What a report says of one ring. Lengths [m], area [m^2], ovality and deflection [%], clocks [rad].
+
+    centre: of the fitted circle, rig frame. diameter_mean: mean of D(phi) over the turn, D(phi) = r(phi) + r(phi + pi)
+    about the fitted centre; diameter_equivalent_area 2 sqrt(A / pi); diameter_circle: of the fitted circle (features
+    left out). diameter_min and diameter_max are extremes of D(phi) over directions with both ends measured; the
+    clock of each is pipe clock (clock + roll), one end of the diameter in [0, pi). Area, perimeter, means and the
+    second harmonic need the whole turn: a gap is bridged by the smooth series, with the rms of everything beyond an
+    ellipse as further uncertainty. Extremes carry what the bridged wall would add to them as further uncertainty.
+    deflection: 100 (D0 - D) / D0 where D is smallest, positive where the pipe has shrunk; deflection_clock its clock.
+
+    fraction_measured: of clock positions; fraction_directions: of directions with both ends measured. flags: names,
+    "few-points", "gap", "off-centre", "extremes-not-measurable", "horizontal-not-measured", "vertical-not-measured",
+    "features" (dents, rails, edges followed on their own), "lone-points" (left out), "noise-above-stated"
+    (differences of neighbours exceed u_independent, which was enlarged), "ovality-not-significant"
+    (ovality_range is below its expanded uncertainty; at zero it was clipped). What cannot be measured is NaN.
+    """
+
+    centre_x: Quantity
+    centre_y: Quantity
+    diameter_mean: Quantity
+    diameter_equivalent_area: Quantity
+    diameter_circle: Quantity
+    diameter_min: Quantity
+    diameter_min_clock: Quantity
+    diameter_max: Quantity
+    diameter_max_clock: Quantity
+    diameter_horizontal: Quantity
+    diameter_vertical: Quantity
+    area: Quantity
+    perimeter: Quantity
+    ovality_f1216_max: Quantity
+    ovality_f1216_min: Quantity
+    ovality_range: Quantity
+    ovality_harmonic: Quantity
+    deflection: Quantity
+    deflection_clock: Quantity
+    deflection_horizontal: Quantity
+    deflection_vertical: Quantity
+    points: int
+    fraction_measured: float
+    fraction_directions: float
+    flags: tuple[str, ...]
+
+
+def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0) -> RingQuantities:
+    """The quantities of `ring`; `nominal_radius` [m], `roll` [rad]: pipe clock = clock + roll.
+
+    Ovality as ASTM F1216, as range over mean and from the second harmonic, deflection as AASHTO; see `RingQuantities`
+    for each definition, the module for the bias correction. Raises InputError for an impossible nominal radius or roll.
+    """
+    if not (np.isfinite(nominal_radius) and nominal_radius > 0):
+        raise InputError(f"nominal_radius must be a positive length in m, got {nominal_radius:g}.")
+    if not np.isfinite(roll):
+        raise InputError(f"roll must be a finite angle in rad, got {roll:g}; give 0 where it is not known.")
+    count = int(ring.measured.sum())
+    if count < LEAST_POINTS:
+        return _nothing(ring, count)
+    wall = estimate_wall(ring)
+    size = regular_size(ring.clock.size)
+    axes = np.array([0.5, 1.5, 0.0, 1.0]) * np.pi - roll
+    angles = np.concatenate([2 * np.pi * np.arange(size) / size, axes])
+    grid = wall_grid(wall, ring, angles=angles, regular=size)
+    both = grid.covered[: size // 2] & grid.covered[size // 2 : size]
+    flags = _flags(wall, ring, grid, both)
+    found = _measurable(
+        _in_metres(_linear(grid) | _corrected(grid, both) | _second_harmonic(wall, grid), wall.scale), grid, flags
+    )
+    found |= _clocks(grid, both, found, roll=roll) | _deflections(found, 2 * nominal_radius) | _circle(wall, grid)
+    return RingQuantities(
+        **found,
+        deflection_clock=found["diameter_min_clock"],
+        points=int(wall.used.sum()),
+        fraction_measured=float(ring.measured.mean()),
+        fraction_directions=float(both.mean()),
+        flags=tuple(flags),
+    )
+
+
+def _in_metres(found: dict[str, tuple[float, float]], scale: float) -> dict[str, Quantity]:
+    powers = {"area": 2} | dict.fromkeys(OVALITIES, 0)
+    units = {name: scale ** powers.get(name, 1) for name in found}
+    return {name: Quantity(value * units[name], u * units[name]) for name, (value, u) in found.items()}
+
+
+def _measurable(found: dict[str, Quantity], grid: WallGrid, flags: list[str]) -> dict[str, Quantity]:
+    """`found` without what could not be measured; adds the flags that say so."""
+    if "extremes-not-measurable" in flags:
+        found |= dict.fromkeys(EXTREMES, NOTHING)
+    for name, ends in (("horizontal", slice(-4, -2)), ("vertical", slice(-2, None))):
+        if not grid.covered[ends].all():
+            found[f"diameter_{name}"] = NOTHING
+            flags.append(f"{name}-not-measured")
+    if found["ovality_range"].value < 2 * found["ovality_range"].u:
+        flags.append("ovality-not-significant")
+    return found
+
+
+def _clocks(grid: WallGrid, both: Mask, found: dict[str, Quantity], *, roll: float) -> dict[str, Quantity]:
+    ends = {"diameter_min": -1, "diameter_max": 1}
+    measurable = np.isfinite(found["diameter_min"].value)
+    return {f"{k}_clock": _clock(grid, both, sign, roll=roll) if measurable else NOTHING for k, sign in ends.items()}
+
+
+def _deflections(found: dict[str, Quantity], nominal_diameter: float) -> dict[str, Quantity]:
+    diameters = {name: found[f"diameter_{which}"] for name, which in DEFLECTIONS.items()}
+    return {
+        name: Quantity(float(definitions.deflection(d.value, nominal_diameter)), 100 * d.u / nominal_diameter)
+        for name, d in diameters.items()
+    }
+
+
+def _circle(wall: Wall, grid: WallGrid) -> dict[str, Quantity]:
+    """Centre and diameter of the orthogonal-distance circle of the smooth wall: its harmonics one and zero."""
+    variance = np.diag(wall.fit.covariance)
+    common = np.sum(grid.centre_modes**2, axis=0)
+    common_radius = np.sum(grid.modes[:, : grid.regular].mean(axis=1) ** 2)
+    u_x, u_y, u_radius = wall.scale * np.sqrt(
+        [variance[2] + common[0], variance[1] + common[1], variance[0] + common_radius]
+    )
+    x, y = wall.scale * wall.centre
+    return {
+        "centre_x": Quantity(float(x), float(u_x)),
+        "centre_y": Quantity(float(y), float(u_y)),
+        "diameter_circle": Quantity(2 * wall.scale * float(wall.fit.coefficients[0]), 2 * float(u_radius)),
+    }
+
+
+def _corrected(grid: WallGrid, both: Mask) -> dict[str, tuple[float, float]]:
+    """Value and uncertainty of every extreme of the diameters, noise bias removed, in units of the wall's scale."""
+    diameters, again, possible = (grid.diameters(which) for which in ("best", "again", "possible"))
+    best = _extremes(diameters, both)
+    value = best - (_extremes(again, both).mean(axis=1, keepdims=True) - best)
+    value[2:] = np.maximum(value[2:], 0.0)
+    spread = np.mean((_extremes(possible, both) - value) ** 2, axis=1)
+    hidden = 0.0 if both.all() else (_extremes(diameters, np.ones_like(both)) - best)[:, 0]
+    u_mean = 2 * np.sqrt(np.sum(grid.edges.sum(axis=0) ** 2)) / grid.regular / diameters.mean()
+    through_mean = u_mean * np.array([0.0, 0.0, 100.0, 100.0, value[4, 0]])
+    u = np.sqrt(spread + hidden**2 + through_mean**2)
+    return dict(zip(EXTREMES, zip(value[:, 0].tolist(), u.tolist(), strict=True), strict=True))
+
+
+def _extremes(diameters: Array, both: Mask) -> Array:
+    """The EXTREMES (5, b) of diameters (b, d) over directions measured at `both` ends (d,)."""
+    mean = diameters.mean(axis=1)
+    seen = diameters if both.all() else diameters[:, both]
+    least, most = (seen.min(axis=1), seen.max(axis=1)) if both.any() else (mean * np.nan, mean * np.nan)
+    return np.stack([least, most, 100 * (most / mean - 1), 100 * (1 - least / mean), 100 * (most - least) / mean])
+
+
+def _second_harmonic(wall: Wall, grid: WallGrid) -> dict[str, tuple[float, float]]:
+    """ovality_harmonic with its noise power removed: sqrt(|c2|^2 - E|noise|^2), zero where that is negative (Rice).
+
+    The second harmonic is taken free of its prior, so that a small one is not shrunk.
+    """
+    n, fit = grid.regular, wall.fit
+    pair = slice(3, 5)
+    prior = fit.prior.copy()
+    prior[pair] = 0.0
+    covariance = np.linalg.inv(fit.precision + np.diag(prior))
+    free = covariance @ (fit.precision @ fit.coefficients + fit.prior * fit.coefficients)
+    angle = 4 * np.pi * np.arange(n) / n
+    project = 2 / n * np.stack([np.cos(angle), np.sin(angle)])
+    vector = project @ grid.best[:n] + (free - fit.coefficients)[pair]
+    noise = covariance[pair, pair]
+    other = project @ np.column_stack([grid.beyond_noise, grid.edges])[:n]
+    total = noise + other @ other.T
+    size = float(np.hypot(*vector))
+    value = np.sqrt(max(size**2 - float(np.trace(noise)), 0.0))
+    largest = float(np.linalg.eigvalsh(total)[-1])
+    along = float(vector @ total @ vector) / size**2 if value > 2 * np.sqrt(largest) else largest
+    unit = 100 / grid.best[:n].mean()
+    return {"ovality_harmonic": (float(value * unit), float(np.sqrt(along) * unit))}
+
+
+def _linear(grid: WallGrid) -> dict[str, tuple[float, float]]:
+    """Value and uncertainty of means, sizes and single diameters: exact linear sensitivities to the wall."""
+    n = grid.regular
+    turn = grid.best[:n]
+    rows = np.zeros((6, grid.best.size))
+    wall_area = float(definitions.area(turn))
+    equivalent = float(definitions.diameter_equivalent_area(wall_area))
+    rows[0, :n] = 2 / n
+    rows[1, :n] = 2 * np.pi * turn / n
+    rows[2] = rows[1] * equivalent / (2 * wall_area)
+    rows[3, :n] = definitions.perimeter_gradient(turn)
+    rows[4, n : n + 2] = rows[5, n + 2 :] = 1.0
+    values = [2 * turn.mean(), wall_area, equivalent, definitions.perimeter(turn), *(rows[4:] @ grid.best)]
+    u = np.sqrt(np.sum((rows @ np.column_stack([grid.possible, grid.edges])) ** 2, axis=1))
+    return {name: (float(v), float(w)) for name, v, w in zip(LINEAR, values, u, strict=True)}
+
+
+def _clock(grid: WallGrid, both: Mask, sign: int, *, roll: float) -> Quantity:
+    """Pipe clock of the largest (sign 1) or smallest (-1) diameter, in [0, pi), and how far it may be off."""
+    curve, others = sign * grid.diameters("best")[0], sign * grid.diameters("possible")
+    half = curve.size
+    place = int(np.argmax(np.where(both, curve, -np.inf)))
+    before, here, after = curve[place - 1], curve[place], curve[(place + 1) % half]
+    bend = 2 * here - before - after
+    peak = place + (0.5 * (after - before) / bend if bend > 0 and max(before, after) <= here else 0.0)
+    away = np.mod(np.argmax(np.where(both, others, -np.inf), axis=1) - peak + half / 2, half) - half / 2
+    step = np.pi / half
+    return Quantity(float(np.mod(peak * step + roll, np.pi)), float(np.sqrt(np.mean(away**2) + 1 / 12) * step))
+
+
+def _flags(wall: Wall, ring: RingShape, grid: WallGrid, both: Mask) -> list[str]:
+    conditions = {
+        "few-points": ring.measured.sum() < FEW_POINTS,
+        "gap": not grid.covered.all(),
+        "off-centre": np.hypot(*wall.centre) > OFF_CENTRE,
+        "extremes-not-measurable": both.mean() < LEAST_DIRECTIONS,
+        "features": wall.features_mask.any(),
+        "lone-points": wall.used.sum() < ring.measured.sum(),
+        "noise-above-stated": wall.excess_noise > 1,
+    }
+    return [name for name, holds in conditions.items() if holds]
+
+
+def _nothing(ring: RingShape, count: int) -> RingQuantities:
+    numbers = {field.name: NOTHING for field in fields(RingQuantities) if field.type is Quantity}
+    return RingQuantities(
+        **numbers,
+        points=count,
+        fraction_measured=count / ring.clock.size,
+        fraction_directions=0.0,
+        flags=("few-points", "extremes-not-measurable"),
+    )

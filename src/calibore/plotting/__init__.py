@@ -1,0 +1,48 @@
+"""Pictures of a profile: one function per figure, each returning a matplotlib Figure drawn without pyplot.
+
+Every function takes `(dataset, rings, *, nominal_radius, unit="mm", ...)`: a profile as `calibore.scans.open_profile`
+gives it, its ring quantities, and the nominal radius [m]. Files are the caller's business: `save_picture` writes one.
+
+`deviation_map`, `uncertainty_map`   the wall unrolled, crown in the middle
+`ovality_along`, `diameter_along`    ring quantities along the pipe with 95 % bands
+`worst_sections`                     the worst rings against the ideal circle
+`shaded_view`                        the wall as a solid, cut open
+`detected_line`                      one camera image with the line found in it
+`STANDARD_PICTURES`                  all but the last, with titles and captions, in report order
+`worst_stations`, `governing_ovality`, `clock_text`   what pictures and reports must say alike
+"""
+
+from calibore.plotting._along import diameter_along, ovality_along
+from calibore.plotting._figures import COVERAGE_FACTOR, save_picture
+from calibore.plotting._lengths import LengthUnit, axial_unit, length_unit
+from calibore.plotting._line import detected_line
+from calibore.plotting._maps import deviation_map, uncertainty_map
+from calibore.plotting._rings import GOVERNING_OVALITY, OVALITY_DEFINITIONS, governing_ovality, worst_stations
+from calibore.plotting._sections import worst_sections
+from calibore.plotting._shaded import shaded_view
+from calibore.plotting._standard import DETECTED_LINE_CAPTION, DETECTED_LINE_TITLE, STANDARD_PICTURES, Picture
+from calibore.plotting._walls import clock_text
+
+__all__ = [
+    "COVERAGE_FACTOR",
+    "DETECTED_LINE_CAPTION",
+    "DETECTED_LINE_TITLE",
+    "GOVERNING_OVALITY",
+    "OVALITY_DEFINITIONS",
+    "STANDARD_PICTURES",
+    "LengthUnit",
+    "Picture",
+    "axial_unit",
+    "clock_text",
+    "detected_line",
+    "deviation_map",
+    "diameter_along",
+    "governing_ovality",
+    "length_unit",
+    "ovality_along",
+    "save_picture",
+    "shaded_view",
+    "uncertainty_map",
+    "worst_sections",
+    "worst_stations",
+]

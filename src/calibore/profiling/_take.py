@@ -1,0 +1,102 @@
+"""One image of one station: find the line, triangulate it, say how well each point is known."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import ImageError, InputError
+from calibore.rigs import Rig, Triangulation, project_ring, triangulate
+from calibore.status import Status
+from calibore.stripe import Stripe, detect_ring
+
+Array = NDArray[np.float64]
+OUTLINE = 128
+"""Points with which the nominal ring is outlined in the image."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """Where in the image the ring is looked for: rough `centre` (column, row), radii `inner` to `outer` [px]."""
+
+    centre: tuple[float, float]
+    inner: float
+    outer: float
+
+
+@dataclass(frozen=True)
+class TakePoints:
+    """The rays of one image as wall points in the rig frame, n rays in order round the ring.
+
+    `clock` [rad] is given for rays without a point too (interpolated). `along` (n,) [m/px]: radius per pixel along the
+    ray the peak was measured on, at fixed clock; `turn` (n,) [rad/px]: clock per pixel along it. `u_position` (n,) [px].
+    """
+
+    points: Triangulation
+    clock: Array
+    along: Array
+    turn: Array
+    u_position: Array
+    status: NDArray[np.uint8]
+    stripe: Stripe
+
+
+def search_region(rig: Rig, nominal_radius: float, *, inner: float, outer: float) -> Search:
+    """The annulus that holds every ring of radius `inner` to `outer` times `nominal_radius` [m] about the rig axis."""
+    _, u, v = project_ring(rig, nominal_radius, OUTLINE)
+    seen = np.isfinite(u)
+    if not seen.any():
+        raise InputError(
+            f"The rig's camera cannot see a pipe of radius {nominal_radius:g} m in its laser plane; "
+            "check nominal_radius, baseline, lens and k."
+        )
+    centre = (float(u[seen].mean()), float(v[seen].mean()))
+    near, far = (_distances(rig, nominal_radius * factor, centre) for factor in (inner, outer))
+    corners = np.array([[0, 0], [0, rig.camera.height], [rig.camera.width, 0], [rig.camera.width, rig.camera.height]])
+    corner = float(np.hypot(*(corners - centre).T).max())
+    least = float(near.min()) if near.size else 0.0
+    most = float(far.max()) if far.size == OUTLINE else corner
+    if not least < min(most, corner):
+        raise InputError(
+            f"A pipe of radius {nominal_radius:g} m would lie outside the image of {rig.camera.width} x "
+            f"{rig.camera.height} px; check nominal_radius, baseline, lens and k."
+        )
+    return Search(centre, least, min(most, corner))
+
+
+def _distances(rig: Rig, radius: float, centre: tuple[float, float]) -> Array:
+    _, u, v = project_ring(rig, radius, OUTLINE)
+    distance = np.hypot(u - centre[0], v - centre[1])
+    return distance[np.isfinite(distance)]
+
+
+def measure_take(image: NDArray[np.generic], rig: Rig, search: Search, *, channel: str, estimator: str) -> TakePoints:
+    """Wall points of one image; raises ImageError where it cannot be used."""
+    height, width = image.shape[:2]
+    if (width, height) != (rig.camera.width, rig.camera.height):
+        raise ImageError(
+            f"the image is {width} x {height} px, the rig's camera {rig.camera.width} x {rig.camera.height} px; "
+            "use the rig file of this camera"
+        )
+    stripe = detect_ring(
+        image, search.centre, inner=search.inner, outer=search.outer, channel=channel, estimator=estimator
+    )
+    points = triangulate(rig, stripe.u, stripe.v)
+    status = np.where(points.status == Status.OK, stripe.status, points.status)
+    status = np.where(stripe.found, status, stripe.status).astype(np.uint8)
+    along = np.einsum("nk,nk->n", points.radius_sensitivities.pixel, stripe.direction)
+    turn = np.einsum("nk,nk->n", points.clock_sensitivities.pixel, stripe.direction)
+    return TakePoints(points, _every_clock(points.clock), along, turn, stripe.u_position, status, stripe)
+
+
+def _every_clock(clock: Array) -> Array:
+    """`clock` (n,) with its gaps interpolated round the ring."""
+    index, found = np.arange(clock.size), np.flatnonzero(np.isfinite(clock))
+    if found.size == 0:
+        raise ImageError("no point of the line lies on the laser plane in front of the camera")
+    turns = np.unwrap(clock[found])
+    sense = np.sign(turns[-1] - turns[0]) or 1.0
+    before, after = found[-1] - clock.size, found[0] + clock.size
+    places = np.concatenate([[before], found, [after]])
+    values = np.concatenate([[turns[-1] - sense * 2 * np.pi], turns, [turns[0] + sense * 2 * np.pi]])
+    return np.mod(np.interp(index, places, values), 2 * np.pi)

@@ -1,0 +1,76 @@
+"""Several takes of one station made one ring.
+
+Repeated images of one wall share their speckle, so their mean is not as good as 1/sqrt(n) promises. How much they share is
+seen in their differences: two takes whose difference scatters with s^2 times the sum of their variances have the
+correlation 1 - s^2.
+"""
+
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.profiling._grid import Ring
+from calibore.status import Status
+
+Array = NDArray[np.float64]
+NORMAL_HALF = 0.6745
+"""Median of |z| for a standard normal z."""
+FEWEST = 40
+"""Positions two takes must share before their correlation can be told; below that they count as one take."""
+DISAGREE = 6.0
+"""Takes that differ by more standard uncertainties than this disagree: half their distance becomes uncertainty."""
+
+
+def take_correlation(rings: list[Ring]) -> float:
+    """Correlation of the independent parts of any two of the `rings`, from their differences; 1 where too few."""
+    ratios = []
+    for a, b in combinations(rings, 2):
+        z = np.abs(a.radius - b.radius) / np.hypot(a.u, b.u)
+        z = z[np.isfinite(z)]
+        if z.size >= FEWEST:
+            ratios.append((np.median(z) / NORMAL_HALF) ** 2)
+    return float(np.clip(1 - np.mean(ratios), 0.0, 1.0)) if ratios else 1.0
+
+
+def combine_takes(rings: list[Ring]) -> tuple[Ring, float]:
+    """One ring out of the takes of a station, weighted by their uncertainties, and their correlation."""
+    if len(rings) == 1:
+        return rings[0], 1.0
+    shared = take_correlation(rings)
+    radius, u = np.stack([r.radius for r in rings]), np.stack([r.u for r in rings])
+    seen = np.isfinite(radius)
+    weight = np.where(seen, 1 / np.maximum(u, 1e-12) ** 2, 0.0)
+    total = weight.sum(axis=0)
+    found = total > 0
+    weight = np.divide(weight, total, out=np.zeros_like(weight), where=total > 0)
+
+    def mean(values: list[Array]) -> Array:
+        table = np.stack(values)
+        part = np.where(weight if table.ndim == 2 else weight[:, None, :], table, 0.0)
+        sums = np.sum(part * (weight if table.ndim == 2 else weight[:, None, :]), axis=0)
+        return np.where(found, sums, np.nan)
+
+    part = np.where(seen, weight * u, 0.0)
+    variance = (1 - shared) * np.sum(part**2, axis=0) + shared * np.sum(part, axis=0) ** 2
+    combined = mean([r.radius for r in rings])
+    variance = variance + _disagreement(radius, u, combined)
+    status = np.min(np.stack([r.status for r in rings]), axis=0)
+    status = np.where(found, np.minimum(status, Status.SATURATED), status).astype(np.uint8)
+    ring = Ring(
+        rings[0].clock,
+        combined,
+        mean([r.axial for r in rings]),
+        np.where(found, np.sqrt(variance), np.nan),
+        mean([r.modes for r in rings]),
+        status,
+        np.mean([r.correlation for r in rings], axis=0),
+    )
+    return ring, shared
+
+
+def _disagreement(radius: Array, u: Array, combined: Array) -> Array:
+    """Extra variance (n,) where takes contradict each other, so that the interval covers both."""
+    z = np.where(np.isfinite(radius), np.abs(radius - combined) / np.maximum(u, 1e-12), 0.0)
+    distance = np.where(np.isfinite(radius), np.abs(radius - combined), 0.0)
+    return np.where(z.max(axis=0) > DISAGREE / np.sqrt(2), distance.max(axis=0) ** 2, 0.0)

@@ -1,0 +1,27 @@
+"""The data model of a survey: what a scan folder says, and the result folder made from it.
+
+`read_scan` -> `ScanSpec`; one `RingProfile` and `RingPoints` per station go through `ResultWriter` into OUT;
+`open_profile`, `open_points`, `read_rings` open OUT again; `export` writes it for other programs.
+"""
+
+from calibore.scans._exports import export
+from calibore.scans._results import open_points, open_profile, read_rings
+from calibore.scans._ring import RingPoints, RingProfile
+from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables
+from calibore.scans._scan_file import read_scan
+from calibore.scans._writer import ResultWriter
+
+__all__ = [
+    "AngularMotion",
+    "AxialMotion",
+    "ResultWriter",
+    "RingPoints",
+    "RingProfile",
+    "ScanSpec",
+    "TactileTables",
+    "export",
+    "open_points",
+    "open_profile",
+    "read_rings",
+    "read_scan",
+]

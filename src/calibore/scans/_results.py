@@ -1,0 +1,75 @@
+"""Opening what `ResultWriter` wrote."""
+
+import csv
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from calibore.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def open_profile(out: Path | str) -> "xarray.Dataset":
+    """The gridded profile of the result folder `out`, dims (station, clock), read lazily; raises InputError."""
+    return _open(Path(out), "profile")
+
+
+def open_points(out: Path | str) -> "xarray.Dataset":
+    """The ungridded points of the result folder `out`, dim `point`, read lazily; raises InputError."""
+    return _open(Path(out), "points")
+
+
+def read_rings(out: Path | str) -> dict[str, np.ndarray]:
+    """The columns of rings.csv: int64, float64 or text, each of shape (stations,); raises InputError."""
+    path = part_of(Path(out), "rings.csv")
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+            return {name: _column(cells) for name, *cells in zip(header, *rows, strict=True)}
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path} cannot be read ({error}); run the profile again.") from error
+
+
+def part_of(out: Path, name: str) -> Path:
+    """The path of one part of a result folder; raises InputError where `out` is no result folder."""
+    if not out.is_dir():
+        raise InputError(f"{out} is not a folder; give the result folder that `calibore profile` wrote.")
+    if not (out / name).exists():
+        raise InputError(f"{out} is not a result folder (it has no {name}); give one that `calibore profile` wrote.")
+    return out / name
+
+
+def open_group(out: Path, name: str) -> Any:
+    """The Zarr group `name`.zarr of a result folder, its format checked; raises InputError."""
+    import zarr
+
+    path = part_of(out, f"{name}.zarr")
+    try:
+        group = zarr.open_group(path, mode="r")
+    except Exception as error:  # zarr raises whatever its JSON and codecs raise on a damaged store
+        raise InputError(f"{path} cannot be read ({error}); run the profile again.") from error
+    found = group.attrs.get("format")
+    if found != f"calibore-{name}/1":
+        raise InputError(
+            f'{path} has the format {found!r}; this version reads "calibore-{name}/1": '
+            "use the version of this program that wrote it, or run the profile again."
+        )
+    return group
+
+
+def _open(out: Path, name: str) -> "xarray.Dataset":
+    import xarray
+
+    open_group(out, name)
+    return xarray.open_zarr(out / f"{name}.zarr", chunks=None, consolidated=True)
+
+
+def _column(cells: list[str]) -> np.ndarray:
+    for kind in (np.int64, np.float64):
+        with suppress(ValueError):
+            return np.array([kind(cell) for cell in cells], dtype=kind)
+    return np.array(cells, dtype=str)

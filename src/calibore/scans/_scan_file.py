@@ -1,0 +1,186 @@
+"""scan.toml read, checked, and turned into a `ScanSpec` (contract, section 2)."""
+
+import hashlib
+import json
+import string
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import AfterValidator, Field, Strict
+
+from calibore.documents import Angle, Document, Length, read_document
+from calibore.errors import InputError
+from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables
+
+PATTERN_FIELDS = ("station", "angular", "take")
+
+
+def read_scan(path: Path | str) -> ScanSpec:
+    """The scan described by `path`, a scan folder or its scan.toml; raises InputError naming file, key and remedy."""
+    toml = _toml_of(Path(path))
+    document = read_document(toml, _Scan)
+    _check_sources(document, toml)
+    if document.images and document.images.pattern is not None:
+        _check_pattern(document.images.pattern, document.motion, toml)
+    return _spec(document, toml)
+
+
+def _positive(value: float) -> float:
+    if value <= 0:
+        raise ValueError(f"it is {value:g} m but must be greater than 0")
+    return value
+
+
+def _not_zero(value: float) -> float:
+    if value == 0:
+        raise ValueError("a step of 0 puts every station at the same place; give the distance between stations")
+    return value
+
+
+def _this_format(value: str) -> str:
+    if value != "calibore-scan/1":
+        raise ValueError('this program reads scan files of format "calibore-scan/1"')
+    return value
+
+
+PositiveLength = Annotated[Length, AfterValidator(_positive)]
+
+
+class _Pipe(Document):
+    nominal_radius: PositiveLength
+    limit_deflection: Annotated[float, Strict(), Field(gt=0, le=100)] | None = None
+
+
+class _Images(Document):
+    pattern: str | None = None
+    video: str | None = None
+
+
+class _Tactile(Document):
+    signal: str
+    bias: str
+    tip_radius: PositiveLength
+
+
+class _Axial(Document):
+    origin: Length
+    step: Annotated[Length, AfterValidator(_not_zero)]
+
+
+class _Angular(Document):
+    origin: Angle
+    step: Annotated[Angle, AfterValidator(_not_zero)]
+
+
+class _Motion(Document):
+    axial: _Axial | None = None
+    angular: _Angular | None = None
+    table: str | None = None
+
+
+class _Search(Document):
+    inner: Annotated[float, Strict(), Field(gt=0, lt=1)] = 0.5
+    outer: Annotated[float, Strict(), Field(gt=1)] = 1.5
+
+
+class _Scan(Document):
+    format: Annotated[str, AfterValidator(_this_format)]
+    name: Annotated[str, Field(min_length=1)]
+    rig: str | None = None
+    pipe: _Pipe
+    images: _Images | None = None
+    tactile: _Tactile | None = None
+    motion: _Motion
+    search: _Search = _Search()
+
+
+def _toml_of(path: Path) -> Path:
+    if not path.exists():
+        raise InputError(f"{path} does not exist; give a scan folder or its scan.toml.")
+    if not path.is_dir():
+        return path
+    if not (path / "scan.toml").is_file():
+        raise InputError(f"{path} has no scan.toml; give a folder that holds one, or the path of the file itself.")
+    return path / "scan.toml"
+
+
+def _check_sources(document: _Scan, toml: Path) -> None:
+    images, motion = document.images, document.motion
+    named = [
+        key
+        for key, value in (
+            ("images.pattern", images and images.pattern),
+            ("images.video", images and images.video),
+            ("[tactile]", document.tactile),
+        )
+        if value is not None
+    ]
+    if len(named) != 1:
+        said = f"names {' and '.join(named)}" if named else "names no data"
+        raise InputError(f"{toml} {said}; give exactly one of images.pattern, images.video and [tactile].")
+    if (motion.axial is None) == (motion.table is None):
+        said = "both axial and table" if motion.axial else "neither axial nor table"
+        raise InputError(f"{toml}: [motion] gives {said}; give exactly one of them.")
+    if document.rig is None and document.tactile is None:
+        raise InputError(f'{toml}: key rig is missing; add the rig file, e.g. rig = "rig.toml".')
+
+
+def _fields(pattern: str) -> set[str]:
+    return {field for _, field, _, _ in string.Formatter().parse(pattern) if field is not None}
+
+
+def _check_pattern(pattern: str, motion: _Motion, toml: Path) -> None:
+    where = f'{toml}: key images.pattern = "{pattern}" is wrong'
+    try:
+        fields = _fields(pattern)
+        unknown = sorted(fields - set(PATTERN_FIELDS))
+        if not unknown:
+            pattern.format(**dict.fromkeys(PATTERN_FIELDS, 0))
+    except (ValueError, LookupError) as error:
+        raise InputError(f"{where}: {error}. Write fields such as {{station:03d}}.") from error
+    if unknown:
+        raise InputError(f"{where}: field {{{unknown[0]}}} is not known; allowed: {', '.join(PATTERN_FIELDS)}.")
+    if "station" not in fields:
+        raise InputError(f"{where}: it has no field for the station; add one such as {{station:03d}}.")
+    if motion.table is None and ("angular" in fields) != (motion.angular is not None):
+        lack = "[motion] gives no angular" if "angular" in fields else "the pattern has no field {angular}"
+        raise InputError(
+            f"{where}: a side-facing scan needs both the field {{angular}} and motion.angular, but {lack}."
+        )
+
+
+def _spec(document: _Scan, toml: Path) -> ScanSpec:
+    folder = toml.parent.resolve()
+
+    def file(key: str, name: str) -> Path:
+        if not (folder / name).is_file():
+            raise InputError(f'{toml}: key {key} = "{name}" names no existing file; paths are relative to {toml.name}.')
+        return folder / name
+
+    images, tactile, motion = document.images or _Images(), document.tactile, document.motion
+    axial, angular, table = motion.axial, motion.angular, motion.table
+    return ScanSpec(
+        folder=folder,
+        name=document.name,
+        rig_path=None if document.rig is None else file("rig", document.rig),
+        nominal_radius=document.pipe.nominal_radius,
+        motion=AxialMotion(axial.origin, axial.step) if axial else file("motion.table", str(table)),
+        identity=_identity(folder, document),
+        pattern=images.pattern,
+        video=None if images.video is None else file("images.video", images.video),
+        tactile=TactileTables(
+            file("tactile.signal", tactile.signal), file("tactile.bias", tactile.bias), tactile.tip_radius
+        )
+        if tactile
+        else None,
+        angular=AngularMotion(angular.origin, angular.step) if angular else None,
+        limit_deflection_percent=document.pipe.limit_deflection,
+        search_inner=document.search.inner,
+        search_outer=document.search.outer,
+    )
+
+
+def _identity(folder: Path, document: _Scan) -> str:
+    sources = document.model_dump(include={"name": True, "images": True, "tactile": {"signal", "bias"}})
+    text = json.dumps([folder.name, sources], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -1,0 +1,87 @@
+"""The estimators of a peak's sub-pixel place, by name, and the settings of one scan along rays."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import UsageError
+from calibore.stripe._noise import NoiseModel
+
+Array = NDArray[np.float64]
+
+
+class Estimator(IntEnum):
+    """How the place of a peak on its ray is computed (Swanbom 2007, 2.3.3 and 6.3.4.2)."""
+
+    ZERO_CROSSING = 0  # sign change of the fitted slope, then one noise-weighted Gauss-Newton step: the default
+    PARABOLA = 1  # vertex of a parabola fitted to 8 samples, threshold 45: reproduces the dissertation
+    MAXIMUM = 2  # brightest sample
+    THRESHOLD = 3  # midpoint of the two half-height crossings
+    CENTROID = 4  # centre of gravity
+    CORRELATION = 5  # best match with a Gaussian of the line's width
+
+    @property
+    def label(self) -> str:
+        return self.name.lower().replace("_", "-")
+
+
+def estimator_named(name: str) -> Estimator:
+    """The estimator called `name`, e.g. "zero-crossing"; raises UsageError naming all of them."""
+    for estimator in Estimator:
+        if estimator.label == name:
+            return estimator
+    known = ", ".join(estimator.label for estimator in Estimator)
+    raise UsageError(f'Estimator "{name}" is not known; choose one of {known}.')
+
+
+PUBLISHED_WINDOW = 8
+"""Samples per fitted parabola (Swanbom 2007, 6.3.4.2)."""
+PUBLISHED_THRESHOLD = 45.0
+"""Least height of a fitted parabola in grey values of 0..255 (Swanbom 2007, 6.3.4.2)."""
+MOST_PEAKS = 4
+"""Candidates kept per ray, the highest ones."""
+
+
+@dataclass(frozen=True)
+class ScanSettings:
+    """One scan along rays. Brightness in grey values, lengths in samples (= pixels).
+
+    `gate`: nearest-pixel brightness below which no peak is looked for; `prominence`: least height above the local
+    background; `threshold`: least absolute brightness (0 = none); `saturation`: the white level.
+    """
+
+    estimator: Estimator
+    noise: NoiseModel
+    gate: float
+    prominence: float
+    threshold: float
+    saturation: float
+    window: int = PUBLISHED_WINDOW
+
+    @property
+    def reach(self) -> int:
+        """Samples on each side of a peak in which its background and half height are looked for."""
+        return self.window + 2
+
+    @property
+    def half_fit(self) -> int:
+        """Half width of the Gauss-Newton window: three line widths."""
+        return int(np.clip(np.ceil(3 * self.noise.width), 4, 24))
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """Candidates on n rays, up to `MOST_PEAKS` each, highest first; NaN (or False) where there is none.
+
+    `position` [px along the ray], `height` above `background` [grey values], `width` (Gaussian sigma from the full
+    width at half height) [px], `u` standard uncertainty [px], `saturated`; each (n, MOST_PEAKS).
+    """
+
+    position: Array
+    height: Array
+    background: Array
+    width: Array
+    u: Array
+    saturated: NDArray[np.bool_]

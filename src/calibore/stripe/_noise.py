@@ -1,0 +1,123 @@
+"""How noisy the picture is, learnt from the picture itself.
+
+A sample of brightness m above background scatters with variance V(m) = additive + gain m + contrast m^2: read noise and
+quantisation, photon (shot) noise, and speckle. Speckle is correlated over its grain: two samples d apart on a ray share
+rho(d) = exp(-d^2 / (4 grain^2)) of it. For a Gaussian line of width s seen through a blur b that form is exact, with
+1/grain^2 = 1/b^2 - 1/s^2; the blur is read off along the ring, where nothing but blur correlates the brightness.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+QUANTISATION = 1 / 12
+"""Variance of rounding to whole grey values."""
+ALIGNED = 0.985
+"""Cosine of the angle (10 deg) within which a line counts as running along pixel rows or columns."""
+FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+"""Passes pixel noise, stops anything the optics have blurred by 0.8 px or more."""
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Variance model in grey values, line `width` (Gaussian sigma) and speckle `grain` in pixels."""
+
+    additive: float = 1.0
+    gain: float = 0.05
+    contrast: float = 0.04
+    width: float = 1.5
+    grain: float = 1.5
+
+    def variance(self, brightness: Array) -> Array:
+        return self.additive + self.gain * brightness + self.contrast * brightness**2
+
+    def correlation(self, count: int) -> Array:
+        """Speckle correlation rho at sample distances 0 .. count - 1."""
+        return np.exp(-(np.arange(count) ** 2) / (4 * self.grain**2))
+
+
+def background_noise(plane: NDArray[np.generic]) -> float:
+    """Robust standard deviation [grey values] of neighbouring-pixel noise over the whole picture."""
+    sparse = plane[::7, :].astype(np.float64)
+    difference = np.abs(sparse[:, 1::3] - sparse[:, :-1:3][:, : sparse[:, 1::3].shape[1]])
+    return float(max(1.4826 * np.median(difference) / np.sqrt(2), np.sqrt(QUANTISATION)))
+
+
+def pixel_noise(
+    plane: NDArray[np.generic], column: Array, row: Array, direction: Array
+) -> tuple[float, float]:
+    """(additive, gain) of the pixel noise near the line, from fourth differences of raw pixels along the line.
+
+    Only where the line runs along pixel rows or columns: across it, the line itself is not smooth at this scale.
+    `column`, `row` (n,) [px] of peaks, `direction` (n, 2) of their rays. (0, 0) where too few peaks lie so.
+    """
+    height, width = plane.shape
+    reach, beside = np.arange(-2, 3), np.arange(-4.0, 5.0, 2.0)
+    five = []
+    for axis in (0, 1):
+        aligned = np.abs(direction[:, 1 - axis]) > ALIGNED
+        at = [column[aligned][:, None] + (beside if axis else 0.0), row[aligned][:, None] + (0.0 if axis else beside)]
+        c, r = (np.clip(np.rint(a + 0.0 * beside), 2, n - 3).astype(np.intp).ravel()[:, None] for a, n in zip(at, (width, height), strict=True))
+        five.append(plane[r, c + reach] if axis == 0 else plane[r + reach, c])
+    runs = np.concatenate(five).astype(np.float64)
+    if len(runs) < 200:
+        return 0.0, 0.0
+    square = (runs @ FOURTH_DIFFERENCE) ** 2 / np.sum(FOURTH_DIFFERENCE**2)
+    level = runs.mean(axis=1)
+    terms = _variance_terms(np.maximum(level - np.quantile(level, 0.05), 0.0), square)
+    return float(terms[0]), float(terms[1])
+
+
+def _variance_terms(level: Array, square: Array) -> Array:
+    """Non-negative (additive, gain, leak) with E[square] = additive + gain level + leak level^2, from binned medians."""
+    order = np.argsort(level, kind="stable")
+    bins = np.array_split(order, max(4, min(24, level.size // 60)))
+    # the median of chi-square with one degree of freedom is 0.4549 of its mean: robust against edges
+    mean = np.array([level[b].mean() for b in bins])
+    variance = np.array([np.median(square[b]) / 0.4549 for b in bins])
+    design = np.stack([np.ones_like(mean), mean, mean**2], axis=1) / (variance + QUANTISATION)[:, None]
+    target = variance / (variance + QUANTISATION)
+    return nonnegative_least_squares(design, target)
+
+
+def nonnegative_least_squares(design: Array, target: Array) -> Array:
+    """argmin |design x - target| over x >= 0 for a few columns, by trying every set of columns."""
+    count = design.shape[1]
+    best, answer = float(target @ target), np.zeros(count)
+    for size in range(1, count + 1):
+        for chosen in combinations(range(count), size):
+            x, *_ = np.linalg.lstsq(design[:, chosen], target, rcond=None)
+            misfit = float(np.sum((design[:, chosen] @ x - target) ** 2))
+            if np.all(x >= 0) and misfit < best:
+                best, answer = misfit, np.zeros(count)
+                answer[list(chosen)] = x
+    return answer
+
+
+def speckle(model: NoiseModel, height: Array, *, spacing: float) -> NoiseModel:
+    """`model` with contrast and grain learnt from peak `height` (n,), NaN where missing, of neighbouring rays.
+
+    Relative brightness is compared between rays: close pairs give the blur along the ring, distant ones the contrast.
+    """
+    logarithm = np.log(np.maximum(height, 1e-3))
+    far = max(1, int(np.ceil(6 * model.width / spacing)))
+    spread = _pair_variance(logarithm, far)
+    near = _pair_variance(logarithm, max(1, round(1.0 / spacing)))
+    shared = float(np.clip(1 - near / max(spread, 1e-12), 0.05, 0.95))
+    lag = max(1, round(1.0 / spacing)) * spacing
+    blur = min(lag / np.sqrt(-4 * np.log(shared)), 0.95 * model.width)
+    grain = 1 / np.sqrt(1 / blur**2 - 1 / model.width**2)
+    return replace(model, contrast=float(np.clip(spread, 1e-6, 1.0)), grain=float(min(grain, 1e3)))
+
+
+def _pair_variance(values: Array, lag: int) -> float:
+    """Half the robust variance of the differences of values `lag` rays apart."""
+    difference = values[lag:] - values[:-lag]
+    difference = difference[np.isfinite(difference)]
+    if difference.size < 16:
+        return 0.04
+    return float((1.4826 * np.median(np.abs(difference))) ** 2 / 2)
