@@ -28,6 +28,7 @@ const SIGNATURE: usize = 8;
 /// Why data is not a usable image: the middle of a sentence.
 type Decoded<T> = Result<T, String>;
 
+const TOO_LARGE: &str = "it needs more memory than the limit";
 const TRUNCATED: &str = "it is truncated: the data end before the image is complete";
 
 #[derive(Clone, Copy)]

@@ -4,8 +4,9 @@ mod chain;
 mod peak;
 mod refine;
 mod sampling;
+mod scatter;
 
-use numpy::{PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -21,6 +22,8 @@ pub struct Noise {
     gain: f64,
     contrast: f64,
     width: f64,
+    /// exp(-1 / width^2), the ratio of ratios of a sampled Gaussian.
+    step: f64,
     /// Speckle correlation at sample distances 0, 1, 2, ...
     correlation: Vec<f64>,
 }
@@ -39,6 +42,7 @@ pub enum Estimator {
     Threshold,
     Centroid,
     Correlation,
+    Crossing,
 }
 
 pub struct Settings {
@@ -69,9 +73,9 @@ type NoiseNumbers = (f64, f64, f64, f64, f64);
 
 fn settings(estimator: u8, levels: Levels, sizes: Sizes, noise: NoiseNumbers) -> PyResult<Settings> {
     use Estimator::*;
-    let named = [ZeroCrossing, Parabola, Maximum, Threshold, Centroid, Correlation];
+    let named = [ZeroCrossing, Parabola, Maximum, Threshold, Centroid, Correlation, Crossing];
     let Some(&estimator) = named.get(estimator as usize) else {
-        return Err(PyValueError::new_err(format!("estimator number must be 0 to 5, got {estimator}")));
+        return Err(PyValueError::new_err(format!("estimator number must be 0 to 6, got {estimator}")));
     };
     let (gate, prominence, threshold, saturation) = levels;
     let (window, reach, half_fit) = sizes;
@@ -80,7 +84,8 @@ fn settings(estimator: u8, levels: Levels, sizes: Sizes, noise: NoiseNumbers) ->
     }
     let (additive, gain, contrast, width, grain) = noise;
     let correlation = (0..=2 * half_fit).map(|d| (-((d * d) as f64) / (4.0 * grain * grain)).exp()).collect();
-    let noise = Noise { additive, gain, contrast, width, correlation };
+    let step = (-1.0 / (width * width)).exp();
+    let noise = Noise { additive, gain, contrast, width, step, correlation };
     Ok(Settings { estimator, gate, prominence, threshold, saturation, window, reach, half_fit, noise })
 }
 
@@ -166,7 +171,24 @@ fn link_chains<'py>(
     numpy::PyArray1::from_vec(py, lengths).reshape([shape[0], shape[1]])
 }
 
+/// Scatter ratios at several lags; see `calibore.stripe._scatter.scatter_ratio`.
+#[pyfunction]
+fn scatter_ratios(
+    py: Python<'_>,
+    position: PyReadonlyArray1<'_, f64>,
+    u: PyReadonlyArray1<'_, f64>,
+    lags: Vec<usize>,
+    closed: bool,
+) -> PyResult<Vec<f64>> {
+    let (position, u) = (position.as_slice()?, u.as_slice()?);
+    if position.len() != u.len() {
+        return Err(PyValueError::new_err("position and u must have the same length"));
+    }
+    Ok(py.detach(|| lags.iter().map(|&lag| scatter::ratio(position, u, lag, closed)).collect()))
+}
+
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scan_rays, module)?)?;
-    module.add_function(wrap_pyfunction!(link_chains, module)?)
+    module.add_function(wrap_pyfunction!(link_chains, module)?)?;
+    module.add_function(wrap_pyfunction!(scatter_ratios, module)?)
 }

@@ -280,7 +280,7 @@ def test_an_image_larger_than_the_limit_is_refused_before_it_is_decoded() -> Non
     body = b"IHDR" + huge[16:24] + FILES["png"][24:29]
     file = FILES["png"][:12] + body + struct.pack(">I", zlib.crc32(body)) + FILES["png"][33:]
     began = time.perf_counter()
-    with pytest.raises(ValueError, match="more than the limit"):
+    with pytest.raises(ValueError, match="limit"):
         decode_image(file)
     assert time.perf_counter() - began < 1
     for kind in FILES:

@@ -7,6 +7,7 @@ import pytest
 
 from calibore.errors import InputError
 from calibore.optics import LENS_NAMES, Camera, Lens
+from calibore.optics._odd_polynomial import OddPolynomial
 
 STEP = 1e-30  # of complex-step differentiation: no cancellation, so it may be tiny
 
@@ -147,6 +148,15 @@ def test_a_residual_that_turns_back_ends_the_lens_before_its_turning_point():
     assert (np.diff(radius[seen]) > 0).all()
     assert np.allclose(lens.zenith(radius[seen]), zenith[seen], atol=1e-10)
     assert np.isnan(lens.zenith(np.array([np.nanmax(radius) * 1.01])))
+
+
+def test_an_odd_polynomial_is_inverted_wherever_it_rises_however_wild():
+    rng = np.random.default_rng(3)
+    for _ in range(500):
+        polynomial = OddPolynomial(tuple(rng.uniform(-0.5, 0.5, rng.integers(1, 5)) * rng.choice([1, 0.1, 1e-3])))
+        x = np.linspace(0, min(polynomial.limit, 3.2), 60)[:-1]
+        assert (np.diff(polynomial.value(x)) > 0).all()
+        assert np.allclose(polynomial.inverse(polynomial.value(x)), x, rtol=0, atol=1e-12)
 
 
 def test_what_the_lens_cannot_see_has_no_pixel():

@@ -8,6 +8,7 @@ import pytest
 from calibore.errors import InputError
 from calibore.lasers import Plane
 from calibore.rigs import Laser, Rig, read_rig
+from calibore.units import parse_quantity
 
 SIMULATED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated"
 GOOD = """
@@ -23,6 +24,7 @@ principal_point = [512.0, 384.0]
 baseline = "13.10 in"
 channel = "red"
 """
+BASELINE = parse_quantity("13.10 in", "length")
 UNCERTAINTY = """
 [uncertainty]
 baseline = "0.006 in"
@@ -48,7 +50,8 @@ def written(tmp_path, text):
 def test_the_example_of_the_contract_is_read(tmp_path):
     rig = read_rig(written(tmp_path, GOOD + UNCERTAINTY))
     assert rig.configuration == "perpendicular-plane"
-    assert rig.lasers == (Laser(Plane(pytest.approx(0.33274)), "red"),)
+    assert rig.lasers == (Laser(Plane(BASELINE), "red"),)
+    assert pytest.approx(0.33274) == BASELINE
     assert (rig.camera.width, rig.camera.height, rig.camera.principal_point) == (1024, 768, (512.0, 384.0))
     assert (rig.camera.lens.law, rig.camera.lens.k, rig.camera.lens.half_height) == ("sine-law", 571.0, 384.0)
     assert rig.stripe == 1.0
@@ -68,7 +71,7 @@ def test_optional_keys_and_listed_lasers_are_read(tmp_path):
     text = GOOD.replace("[laser]", "[[laser]]\ntakes = [0, 2]\ntilt_x = 0.01\ntilt_y = -2e-3")
     rig = read_rig(written(tmp_path, text.replace("k = 571.0", "k = 571\nc1 = -0.004\nc2 = 0.001\naspect = 1.02")))
     assert (rig.camera.lens.c1, rig.camera.lens.c2, rig.camera.aspect) == (-0.004, 0.001, 1.02)
-    assert rig.lasers[0].surface == Plane(pytest.approx(0.33274), 0.01, -0.002)
+    assert rig.lasers[0].surface == Plane(BASELINE, 0.01, -0.002)
     assert [rig.lasers[0].is_lit(take) for take in range(3)] == [True, False, True]
 
 

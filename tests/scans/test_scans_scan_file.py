@@ -90,7 +90,7 @@ MISTAKES = {
     "no unit": ('"6 in"', "6", "pipe.nominal_radius = 6 is wrong: 6 has no unit"),
     "unit in text missing": ('"6 in"', '"6"', "pipe.nominal_radius = '6' is wrong: .*has no unit"),
     "unit of something else": ('"6 in"', '"6 deg"', 'is not a length such as "150 mm"'),
-    "unit unknown": ('"6 in"', '"6 hands"', "is not a length"),
+    "unit unknown": ('"6 in"', '"6 blobs"', "is not a length"),
     "unknown key": (
         'name = "tiny pipe"',
         'name = "x"\nnames = "y"',

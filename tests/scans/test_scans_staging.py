@@ -200,18 +200,18 @@ def test_names_that_look_like_patterns_are_left_alone(tmp_path, scan):
 
 @posix
 def test_a_run_killed_at_any_change_of_the_disk_leaves_the_old_result_the_new_one_or_none(out, scan):
-    done = run_script("survive_kills", out, scan, 18)
+    done = run_script("survive_kills", out, scan, 12)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @posix
 def test_runs_killed_at_random_times_leave_a_complete_result_or_none(out, scan):
-    done = run_script("survive_random_kills", out, scan, 8)
+    done = run_script("survive_random_kills", out, scan, 5)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 @posix
-@pytest.mark.parametrize("limit", [100, 2_000, 50_000])
+@pytest.mark.parametrize("limit", [100, 50_000])
 def test_a_file_size_limit_is_told_like_a_full_disk(out, scan, limit):
     done = run_script("write_with_small_files", out, scan, limit)
     assert "OutputError" in done.stderr

@@ -5,11 +5,12 @@ use std::io::{BufRead, Cursor, ErrorKind, Seek};
 use ::png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
 
 use super::samples::{Image, Samples};
-use super::{checked_bytes, Decoded, TRUNCATED};
+use super::{checked_bytes, Decoded, TOO_LARGE, TRUNCATED};
 
 fn refusal(error: DecodingError) -> String {
     match error {
         DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => TRUNCATED.into(),
+        DecodingError::LimitsExceeded => TOO_LARGE.into(),
         error => format!("its PNG data are corrupt ({error})"),
     }
 }

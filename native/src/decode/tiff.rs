@@ -7,11 +7,12 @@ use ::tiff::tags::{ByteOrder, PhotometricInterpretation, Tag};
 use ::tiff::{ColorType, TiffError};
 
 use super::samples::{unpacked, Image, Samples};
-use super::{checked_bytes, Decoded, TRUNCATED};
+use super::{checked_bytes, Decoded, TOO_LARGE, TRUNCATED};
 
 fn refusal(error: TiffError) -> String {
     match error {
         TiffError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => TRUNCATED.into(),
+        TiffError::LimitsExceeded => TOO_LARGE.into(),
         error => format!("its TIFF data are corrupt or of an unsupported kind ({error})"),
     }
 }

@@ -44,59 +44,70 @@ pub fn refine(
     edges: (f64, f64),
     settings: &Settings,
 ) -> Option<(f64, f64)> {
-    let window = Window::around(y, position, settings.half_fit);
-    let (moved, u) = gauss_newton(&window, position, height, background, settings);
+    if matches!(settings.estimator, Estimator::Crossing) {
+        return Some((position, 0.0));
+    }
+    let (moved, u) = gauss_newton(y, position, height, background, settings);
+    let window = || Window::around(y, position, settings.half_fit);
     match settings.estimator {
         Estimator::ZeroCrossing if moved.abs() <= LONGEST_STEP => Some((position + moved, u)),
-        Estimator::ZeroCrossing => Some((position, u.hypot(moved))),
+        Estimator::ZeroCrossing | Estimator::Crossing => Some((position, u.hypot(moved))),
         Estimator::Parabola => parabola(y, position, fraction, settings).map(|place| (place, u)),
-        Estimator::Maximum => Some((brightest(&window), u.hypot((1.0f64 / 12.0).sqrt()))),
+        Estimator::Maximum => Some((brightest(&window()), u.hypot((1.0f64 / 12.0).sqrt()))),
         Estimator::Threshold => Some((0.5 * (edges.0 + edges.1), u)),
-        Estimator::Centroid => Some((centroid(&window, background), u)),
-        Estimator::Correlation => Some((position + correlation(&window, position, background, settings), u)),
+        Estimator::Centroid => Some((centroid(&window(), background), u)),
+        Estimator::Correlation => Some((position + correlation(&window(), position, background, settings), u)),
     }
 }
 
 /// The step of one weighted Gauss-Newton iteration for (amplitude, position, background) of a Gaussian line, and the
 /// standard uncertainty of the position under pixel noise and correlated speckle.
-fn gauss_newton(window: &Window, position: f64, height: f64, background: f64, settings: &Settings) -> (f64, f64) {
+fn gauss_newton(y: &[f64], position: f64, height: f64, background: f64, settings: &Settings) -> (f64, f64) {
     let noise = &settings.noise;
-    let square = noise.width * noise.width;
+    let inverse = 1.0 / (noise.width * noise.width);
     let white = SATURATED_FROM * settings.saturation;
-    let (mut jacobian, mut line, mut weight) = ([[0.0; 3]; MOST], [0.0; MOST], [0.0; MOST]);
-    let mut normal = [[0.0; 3]; 3];
-    for (k, (x, y)) in window.samples().enumerate() {
-        let z = x - position;
-        let shape = (-z * z / (2.0 * square)).exp();
+    let middle = (position + 0.5) as usize;
+    let low = middle.saturating_sub(settings.half_fit);
+    let samples = &y[low..=(middle + settings.half_fit).min(y.len() - 1)];
+    let (mut line, mut weight) = ([0.0; MOST], [0.0; MOST]);
+    let (mut aa, mut ab, mut ac, mut bb, mut bc, mut cc) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    // exp(-z^2 / 2 s^2) at unit steps by recurrence: two exponentials for the whole window
+    let begin = low as f64 - position;
+    let mut shape = (-0.5 * begin * begin * inverse).exp();
+    let mut ratio = (-(begin + 0.5) * inverse).exp();
+    for (k, &sample) in samples.iter().enumerate() {
         line[k] = height * shape;
-        weight[k] = if y >= white { 0.0 } else { 1.0 / noise.variance(line[k]) };
-        jacobian[k] = [shape, line[k] * z / square, 1.0];
-        for i in 0..3 {
-            for j in 0..3 {
-                normal[i][j] += jacobian[k][i] * weight[k] * jacobian[k][j];
-            }
-        }
+        weight[k] = if sample < white { 1.0 / noise.variance(line[k]) } else { 0.0 };
+        let slope = line[k] * (begin + k as f64) * inverse;
+        let (wa, wb) = (weight[k] * shape, weight[k] * slope);
+        aa += wa * shape;
+        ab += wa * slope;
+        ac += wa;
+        bb += wb * slope;
+        bc += wb;
+        cc += weight[k];
+        shape *= ratio;
+        ratio *= noise.step;
     }
-    let Some(row) = inverse_row(&normal) else { return (f64::INFINITY, 0.0) };
+    let Some(row) = inverse_row(&[[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]]) else { return (f64::INFINITY, 0.0) };
     let (mut functional, mut moved, mut pixel) = ([0.0; MOST], 0.0, 0.0);
-    for (k, (_, y)) in window.samples().enumerate() {
-        functional[k] = weight[k] * (row[0] * jacobian[k][0] + row[1] * jacobian[k][1] + row[2] * jacobian[k][2]);
-        moved += functional[k] * (y - line[k] - background);
-        pixel += functional[k] * functional[k] * (noise.additive + noise.gain * line[k]);
-        functional[k] *= line[k];
+    for (k, &sample) in samples.iter().enumerate().filter(|(k, _)| weight[*k] > 0.0) {
+        let slope = line[k] * (begin + k as f64) * inverse;
+        let f = weight[k] * (row[0] * line[k] / height + row[1] * slope + row[2]);
+        moved += f * (sample - line[k] - background);
+        pixel += f * f * (noise.additive + noise.gain * line[k]);
+        functional[k] = f * line[k];
     }
-    (moved, (pixel + noise.contrast * speckled(window, &functional, &noise.correlation)).max(0.0).sqrt())
+    let speckle = noise.contrast * speckled(&functional[..samples.len()], &noise.correlation);
+    (moved, (pixel + speckle).max(0.0).sqrt())
 }
 
 /// Sum over sample pairs of the speckle functional times the correlation at their distance.
-fn speckled(window: &Window, functional: &[f64; MOST], correlation: &[f64]) -> f64 {
+fn speckled(functional: &[f64], correlation: &[f64]) -> f64 {
     let mut sum = 0.0;
-    for i in 0..window.count {
-        sum += functional[i] * functional[i] * correlation[0];
-        for j in 0..i {
-            let distance = (window.x[i] - window.x[j]) as usize;
-            sum += 2.0 * functional[i] * functional[j] * correlation[distance];
-        }
+    for (distance, &shared) in correlation.iter().enumerate().take(functional.len()) {
+        let pairs: f64 = functional[distance..].iter().zip(functional).map(|(a, b)| a * b).sum();
+        sum += if distance == 0 { shared * pairs } else { 2.0 * shared * pairs };
     }
     sum
 }

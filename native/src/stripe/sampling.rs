@@ -20,15 +20,6 @@ impl<T: Copy + Into<f64>> Plane<'_, T> {
         column >= 0.0 && row >= 0.0 && column <= (self.width - 1) as f64 && row <= (self.height - 1) as f64
     }
 
-    /// Brightness of the nearest pixel, NaN outside.
-    #[inline(always)]
-    pub fn nearest(&self, column: f64, row: f64) -> f64 {
-        if !self.contains(column, row) {
-            return f64::NAN;
-        }
-        self.pixel((column + 0.5) as usize, (row + 0.5) as usize)
-    }
-
     /// Bilinear brightness, NaN outside.
     #[inline(always)]
     pub fn bilinear(&self, column: f64, row: f64) -> f64 {
@@ -57,6 +48,25 @@ impl Ray {
         let s = sample as f64;
         (self.start[0] + s * self.direction[0], self.start[1] + s * self.direction[1])
     }
+
+    /// The samples that lie inside `plane`: from first to before last. A picture is convex, so they are one run.
+    fn inside<T: Copy + Into<f64>>(&self, plane: &Plane<T>, samples: usize) -> (usize, usize) {
+        let contains = |sample: &usize| {
+            let (column, row) = self.at(*sample);
+            plane.contains(column, row)
+        };
+        match (0..samples).find(contains) {
+            Some(first) => (first, (first..samples).rfind(contains).map_or(first, |last| last + 1)),
+            None => (0, 0),
+        }
+    }
+}
+
+/// Pixel coordinates in 32.32 fixed point: the nearest pixel of every sample for two additions.
+const ONE: f64 = 4294967296.0;
+
+fn fixed(value: f64) -> i64 {
+    (value * ONE).floor() as i64
 }
 
 /// Which samples of a ray are bright enough for a peak, and the bilinear brightness of those and their surroundings.
@@ -77,17 +87,23 @@ impl Trace {
         let samples = self.bright.len();
         self.stretches.clear();
         let mut end_of_read = 0;
-        for sample in 0..samples {
-            let (column, row) = ray.at(sample);
-            let bright = plane.nearest(column, row) >= gate;
-            self.bright[sample] = bright;
-            if !bright {
-                continue;
-            }
-            match self.stretches.last_mut() {
-                Some(last) if last.1 + 1 >= sample => last.1 = sample,
-                _ => self.stretches.push((sample, sample)),
-            }
+        let (first, end) = ray.inside(plane, samples);
+        self.bright[..first].fill(false);
+        self.bright[end..].fill(false);
+        let (mut column, mut row) = (fixed(ray.start[0] + 0.5), fixed(ray.start[1] + 0.5));
+        let (right, down) = (fixed(ray.direction[0]), fixed(ray.direction[1]));
+        column += first as i64 * right;
+        row += first as i64 * down;
+        for bright in &mut self.bright[first..end] {
+            let (c, r) = (((column >> 32) as usize).min(plane.width - 1), ((row >> 32) as usize).min(plane.height - 1));
+            *bright = plane.pixel(c, r) >= gate;
+            column += right;
+            row += down;
+        }
+        let mut sample = first;
+        while let Some(begin) = (sample..end).find(|&k| self.bright[k]) {
+            sample = (begin..end).find(|&k| !self.bright[k]).unwrap_or(end);
+            self.stretches.push((begin, sample - 1));
         }
         for &(first, last) in &self.stretches {
             let from = first.saturating_sub(margin).max(end_of_read);

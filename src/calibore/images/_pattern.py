@@ -46,7 +46,8 @@ class _Number:
     def value(self, text: str) -> int | None:
         """The number that is written as `text`; None if there is none."""
         parts = self._parts
-        for candidate in (text, text.strip(self._fill or None)):
+        fill = self._fill or " "
+        for candidate in (text, text.strip(fill), text.lstrip(fill), text.replace(fill, "")):
             try:
                 number = int(candidate.replace(parts["group"] or ",", ""), _BASES[parts["type"] or "d"])
             except ValueError:

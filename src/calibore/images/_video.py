@@ -1,6 +1,6 @@
 """A video as a row of stations: frames in order, the luma plane as it was coded."""
 
-from bisect import bisect_left, insort
+from bisect import bisect_left, bisect_right, insort
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ FAILING_ON_DAMAGE = ("h264", "mjpeg")
 """Decoders that must be told to fail on damage instead of patching it up unmarked; others (MPEG-2) mark such frames."""
 
 CORRUPT = "the video data are corrupt there, or in a frame that it builds on"
-SHORT_FILE = "the video file ends before the frames that it announces"
+SHORT_FILE = "the file holds fewer frames than it announces (cut short, or damaged and later frames numbered too low)"
 SHORT_ODOMETRY = "odometry shorter than the video"
 
 
@@ -124,7 +124,8 @@ def _opened(path: Path) -> tuple[Any, Any]:
 class _Numbered:
     """Decoded frames with their number and time [s]; a frame that is lost keeps its number.
 
-    Frames between a loss and the next key frame build on what was lost: they would look right and be wrong.
+    A packet whose time no frame shows was lost, even where the decoder did not complain. Frames between a loss and the
+    next key frame build on what was lost: they would look right and be wrong.
     """
 
     def __init__(self, stream: Any, refused: _Refusals, *, constant_rate: bool) -> None:
@@ -132,50 +133,73 @@ class _Numbered:
         self._refused = refused
         self._constant_rate = constant_rate
         self._next = 0
-        self._lost: list[int] = []  # presentation times of lost frames still to come
-        self._damaged_from: int | None = None
+        self._awaited: list[int] = []  # presentation times of packets whose frames are still to come, sorted
+        self._failed: set[int] = set()
+        self._damaged_until: int | None = None  # time of the latest damage that no later key frame has ended
 
     def frames(self, container: Any) -> Iterator[tuple[int, float, Any]]:
         packets = 0
         for packet in _packets(container, self._stream):
             packets += packet.size > 0
             for frame in self._decoded(packet):
-                self._next += self._lost_before(frame.pts)
+                self._count_lost(frame)
                 number = self._next
                 self._next += 1
                 if self._is_sound(frame):
                     yield number, self._time(frame, number), frame
                 else:
                     self._refused.add(CORRUPT, number)
+        self._lose(self._awaited)
         if packets < self._stream.frames:
             self._refused.add(SHORT_FILE, packets, self._stream.frames - packets)
 
     def _decoded(self, packet: Any) -> list[Any]:
         from av.error import FFmpegError
 
+        if not packet.size and packet.dts is not None:  # "as before": to decode it would end the decoding
+            self._next += 1
+            return []
+        time = None if self._constant_rate else packet.pts
+        if packet.size and not packet.is_discard and time is not None:
+            insort(self._awaited, time)
         try:
             return packet.decode()
         except FFmpegError:
-            self._refused.add(CORRUPT, self._next)
-            if packet.pts is None:
-                self._next += 1
+            self._damage(packet.pts or 0)
+            if time is None:
+                self._lose([packet.pts or 0])
             else:
-                insort(self._lost, packet.pts)
-            self._damaged_from = packet.pts or 0
+                self._failed.add(time)
             return []
+
+    def _count_lost(self, frame: Any) -> None:
+        """Whatever was to come before this frame will not come any more."""
+        if frame.pts is None:
+            self._awaited.clear()
+            return
+        shown = bisect_left(self._awaited, frame.pts)
+        lost = self._awaited[:shown]
+        if frame.interlaced_frame:  # two fields, two packets, one frame
+            lost = [time for time in lost if time in self._failed]
+        self._lose(lost)
+        self._failed.difference_update(lost)
+        del self._awaited[: bisect_right(self._awaited, frame.pts)]
+
+    def _lose(self, times: list[int]) -> None:
+        if times:
+            self._refused.add(CORRUPT, self._next, len(times))
+            self._next += len(times)
+            self._damage(times[-1])
+
+    def _damage(self, time: int) -> None:
+        self._damaged_until = max(time, self._damaged_until or time)
 
     def _is_sound(self, frame: Any) -> bool:
         if frame.is_corrupt:
-            self._damaged_from = frame.pts or 0
-        elif self._damaged_from is not None and frame.key_frame and (frame.pts or 0) >= self._damaged_from:
-            self._damaged_from = None
-        return self._damaged_from is None
-
-    def _lost_before(self, time: int | None) -> int:
-        """How many lost frames come before the frame of this time, the first time that one asks."""
-        passed = len(self._lost) if time is None else bisect_left(self._lost, time)
-        del self._lost[:passed]
-        return passed
+            self._damage(frame.pts or 0)
+        elif self._damaged_until is not None and frame.key_frame and (frame.pts or 0) > self._damaged_until:
+            self._damaged_until = None
+        return self._damaged_until is None
 
     def _time(self, frame: Any, number: int) -> float:
         if frame.pts is None or self._constant_rate:

@@ -20,13 +20,13 @@ Mask = NDArray[np.bool_]
 
 LEAST_GRID, LARGEST_GRID = 360, 900
 BRIDGED = 3.5  # clock steps: a wider hole between neighbouring points is a gap
-EDGE = 3.0  # times the jumps on either side
 SECOND_HARMONIC = 5  # coefficients up to it
 
 
 @dataclass(frozen=True, eq=False)
 class WallGrid:
-    """Radii [units of the wall's scale] at `angles` (g,), the first `regular` equally spaced: `best` (g,), `covered` (g,) where measured.
+    """Radii [units of the wall's scale] at `angles` (g,), the first `regular` equally spaced: `best` (g,), `freed` (g,)
+    with the second harmonic not shrunk, `covered` (g,) where measured.
 
     again (g, d), possible (g, d'): see the module. The first `core` columns take exactly uncorrelated draws.
     centre_modes (m, 2): how the common modes move the centre; modes (m, g): what they do about the moved centre.
@@ -36,6 +36,7 @@ class WallGrid:
     angles: Array
     regular: int
     best: Array
+    freed: Array
     covered: Mask
     again: Array
     possible: Array
@@ -55,10 +56,10 @@ class WallGrid:
         return self.possible[:, self.core - len(self.modes) - 1 :]
 
     def diameters(self, which: str) -> Array:
-        """D (b, half) in the regular directions of the "best" wall (b = 1), or of drawn "again" or "possible" ones."""
-        half, radii = self.half, self.best
-        best = (radii[:half] + radii[half : 2 * half])[None]
-        return best if which == "best" else best + self._drawn[which]
+        """D (b, half) in the regular directions: of the "best" or "freed" wall (b = 1), of "again" or "possible"."""
+        radii = self.freed if which == "freed" else self.best
+        estimate = (radii[: self.half] + radii[self.half : self.regular])[None]
+        return estimate if which in ("best", "freed") else estimate + self._drawn[which]
 
     @cached_property
     def _drawn(self) -> dict[str, Array]:
@@ -100,11 +101,12 @@ def wall_grid(wall: Wall, ring: RingShape, *, angles: Array, regular: int) -> Wa
     gap = _gap_spread(best - basis[:, :SECOND_HARMONIC] @ fit.coefficients[:SECOND_HARMONIC], covered)
     smoothed = response @ (fit.covariance @ factor(fit.precision))
     blank = np.zeros((angles.size, len(modes) + 1))
-    believed = response @ factor(fit.covariance + np.diag(fit.doubt))
+    believed = response @ factor(fit.free_covariance + np.diag(fit.doubt))
     return WallGrid(
         angles=angles,
         regular=regular,
         best=best,
+        freed=best + basis[:, 3:5] @ (fit.free - fit.coefficients)[3:5],
         covered=covered,
         again=np.column_stack([smoothed, blank, *again]),
         possible=np.column_stack([believed, modes.T, gap, *possible]),
@@ -131,12 +133,11 @@ def _regular_basis(size: int, harmonics: int) -> Array:
 
 def _edges(wall: Wall, grid: Array, regular: int) -> Array:
     """A jump J between points dphi apart lies anywhere between them: J dphi / sqrt(12), given to the nearest angle."""
-    order = np.flatnonzero(wall.used)[np.argsort(wall.polar.angle[wall.used])]
+    order = np.flatnonzero(wall.used)
     angles, radii = wall.polar.angle[order], wall.polar.radius[order]
     steps = np.mod(np.roll(angles, -1) - angles, 2 * np.pi)
     jumps = np.roll(radii, -1) - radii
-    around = np.maximum(np.abs(np.roll(jumps, 1)), np.abs(np.roll(jumps, -1)))
-    sharp = (np.abs(jumps) > EDGE * np.maximum(around, wall.noise.sigma[order])) & (steps < BRIDGED * np.median(steps))
+    sharp = wall.edges[order] & (steps < BRIDGED * np.median(steps))
     places = np.round((angles + steps / 2) * regular / (2 * np.pi)).astype(int) % regular
     edges = np.zeros((grid.size, int(sharp.sum())))
     edges[places[sharp], np.arange(edges.shape[1])] = (jumps * steps)[sharp] / np.sqrt(12) * regular / (2 * np.pi)
@@ -166,7 +167,9 @@ def _modes(wall: Wall, ring: RingShape, grid: Array, *, best: Array, regular: in
     slope = np.interp(grid, grid[:regular], steepness, period=2 * np.pi)
     moving = np.stack([np.sin(grid) - slope * np.cos(grid), -np.cos(grid) - slope * np.sin(grid)])
     first = np.stack([np.sin(grid[:regular]), -np.cos(grid[:regular])])
-    motion = np.linalg.solve(first @ moving[:, :regular].T, first @ modes[:, :regular].T).T
+    motion = np.asarray(
+        np.linalg.solve(first @ moving[:, :regular].T, first @ modes[:, :regular].T), dtype=np.float64
+    ).T
     return modes - motion @ moving, motion
 
 

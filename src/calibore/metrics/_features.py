@@ -1,8 +1,9 @@
 """Dents, rails, openings: stretches that leave the smooth wall and are followed on their own.
 
 A stretch is found by window sums of the residuals against the known noise. Inside it the wall is the smooth series plus
-a Gaussian process (Matern 3/2) whose amplitude is what its neighbourhood shows and whose length is chosen by evidence, so that an edge does not ring and a
-dent is not smoothed away. Points alone against both neighbours are taken as false readings.
+a Gaussian process (Matern 3/2) whose amplitude is what its neighbourhood shows and whose length is chosen by evidence,
+so that an edge does not ring and a dent is not smoothed away. Points alone against both
+neighbours are taken as false readings.
 """
 
 from dataclasses import dataclass
@@ -15,11 +16,12 @@ from calibore.metrics._noise import Noise, factor
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-WINDOWS = (1, 3, 7, 15)
+WINDOWS = (3, 7, 15)  # besides single points
 FOUND = 5.2  # standard deviations; one false stretch in about 3000 rings of 400 points over all windows
 BELONGS = 2.5
 LONGEST = 240  # points handled in one solve
 LENGTHS = (2.0, 5.0, 12.0)  # of the process, in clock steps
+BESIDE, EDGE = 4, 3.0  # jumps on either side; an edge exceeds their median this many times
 LOCAL = 5  # points over which the size of a feature is judged
 LEAST_SIZE = 0.3  # of the noise
 ALONE, SUPPORTED = 6.0, 3.5
@@ -52,10 +54,11 @@ def stretches(standardised: Array, used: Mask, noise: Noise) -> Mask:
     """Points (n,) of stretches whose residuals, in units of their own noise, cannot be noise."""
     values = np.where(used, standardised, 0.0)
     seeds, candidates = np.abs(values) > FOUND, np.abs(values) > BELONGS
-    for width in WINDOWS[1:]:
-        strength = np.abs(_window_sum(values, width)) / np.sqrt(noise.sum_variance(width))
-        seeds |= strength > FOUND
-        if width == WINDOWS[1]:
+    doubtful = np.where(seeds, 0.0, values)  # the wall beside an edge must not be judged by what lies beyond it
+    for width in WINDOWS:
+        strength = np.abs(_window_sum(doubtful, width)) / np.sqrt(noise.sum_variance(width))
+        seeds = seeds | (strength > FOUND)
+        if width == WINDOWS[0]:
             candidates |= strength > BELONGS
     seeds &= used
     if not seeds.any():
@@ -68,11 +71,9 @@ def feature_between(
     points: NDArray[np.intp], columns: NDArray[np.intp], *, angles: Array, grid: Array, residuals: Array, noise: Noise
 ) -> Feature:
     """The process with the best evidence for `residuals` (n,) at `points`, evaluated at `grid[columns]`."""
-    start = angles[points[0]]
-    at = np.mod(angles[points] - start + np.pi, 2 * np.pi) - np.pi
-    to = np.mod(grid[columns] - start + np.pi, 2 * np.pi) - np.pi
-    if points.size > 2:  # stretches longer than half a turn
-        at, to = np.unwrap(at), np.mod(grid[columns] - start + 1e-9, 2 * np.pi) - 1e-9
+    middle = angles[points[points.size // 2]]
+    at = np.mod(angles[points] - middle + np.pi, 2 * np.pi)
+    to = np.mod(grid[columns] - middle + np.pi, 2 * np.pi)
     covariance = noise.block(points)
     values = residuals[points]
     size = _local_size(values, np.diag(covariance))
@@ -94,15 +95,21 @@ def matern(distance: Array, length: float) -> Array:
     return (1 + scaled) * np.exp(-scaled)
 
 
-def split_runs(mask: Mask) -> list[NDArray[np.intp]]:
-    """Indices of the runs of `mask` round the ring, none longer than LONGEST."""
+def sharp_jumps(values: Array, sigma: Array) -> Mask:
+    """Where `values` (n,) round the ring step to the next one as an edge does, not as a slope: shape (n,)."""
+    jumps = np.abs(np.roll(values, -1) - values)
+    around = np.median([np.roll(jumps, shift) for shift in range(-BESIDE, BESIDE + 1)], axis=0)
+    return jumps > EDGE * np.maximum(around, 2 * sigma)
+
+
+def split_runs(mask: Mask, edges: Mask) -> list[NDArray[np.intp]]:
+    """Indices of the runs of `mask` (n,) round the ring, cut after `edges` (n,), none longer than LONGEST."""
     if not mask.any():
         return []
-    n = mask.size
     offset = 0 if mask.all() else int(np.flatnonzero(~mask)[0])
-    index = (np.flatnonzero(np.roll(mask, -offset)) + offset) % n
     rolled = np.flatnonzero(np.roll(mask, -offset))
-    runs = np.split(index, np.flatnonzero(np.diff(rolled) > 1) + 1)
+    index = (rolled + offset) % mask.size
+    runs = np.split(index, np.flatnonzero((np.diff(rolled) > 1) | edges[index[:-1]]) + 1)
     return [part for run in runs for part in np.array_split(run, -(-run.size // LONGEST))]
 
 

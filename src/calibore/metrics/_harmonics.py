@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.metrics._noise import Noise
+from calibore.metrics._noise import Noise, inverse
 
 Array = NDArray[np.float64]
 
 HARMONICS = 16
 POINTS_PER_HARMONIC = 4
-PRIOR_ODDS = 0.1  # of ovality being present; 0.1 keeps the false ovality of a round pipe well below its u
+PRIOR_ODDS = 0.15  # of ovality being present: keeps the false ovality of a round pipe well below its u
 ODDS_DECAY = 2.0  # power of 2 / k: pipes bend in low harmonics
 SMALLEST_SLAB = 3.0  # amplitude variance of a present harmonic over its noise variance, at least
 LARGEST_EVIDENCE = 500.0  # exp() beyond overflows; the harmonic is certain long before
@@ -33,6 +33,7 @@ class HarmonicFit:
 
     precision (p, p): of the data alone; prior (p,): of the belief; covariance (p, p): inverse of their sum;
     doubt (p,): further variance from not knowing which harmonics are present.
+    free (p,), free_covariance (p, p): the same with nothing believed of the second harmonic, which ovality rests on.
     """
 
     coefficients: Array
@@ -40,6 +41,8 @@ class HarmonicFit:
     prior: Array
     covariance: Array
     doubt: Array
+    free: Array
+    free_covariance: Array
 
 
 def harmonic_count(points: int) -> int:
@@ -79,19 +82,23 @@ def fit_harmonics(
     rounds = ROUNDS if prior is None else FURTHER_ROUNDS
     if prior is None:
         prior = np.concatenate([np.zeros(3), np.full(basis.shape[1] - 3, WIDE_PRIOR**-2)])
-    doubt, covariance = np.zeros_like(prior), np.empty_like(precision)
+    doubt: Array = np.zeros_like(prior)
     for _ in range(rounds):
-        covariance = np.linalg.inv(precision + np.diag(prior))
+        covariance = inverse(precision + np.diag(prior))
         prior, doubt = _judged(covariance, covariance @ score, prior)
-    covariance = np.linalg.inv(precision + np.diag(prior))
-    return HarmonicFit(covariance @ score, precision, prior, covariance, doubt)
+    covariance = inverse(precision + np.diag(prior))
+    without = prior.copy()
+    without[3:5] = doubt[3:5] = 0.0
+    free = inverse(precision + np.diag(without))
+    return HarmonicFit(covariance @ score, precision, prior, covariance, doubt, free @ score, free)
 
 
 def _judged(covariance: Array, coefficients: Array, prior: Array) -> tuple[Array, Array]:
     """New prior precision and doubt (p,) from the evidence of every harmonic given the others.
 
     With c, s the estimate and precision of a pair without its own prior, E = c^T s c / 2 and slab-to-noise ratio g:
-    evidence of presence B = exp(E g / (1 + g)) / (1 + g), weight w = B odds / (1 + B odds), kept part w g / (1 + g).
+    evidence of presence B = exp(E g / (1 + g)) / (1 + g), weight w = B odds / (1 + B odds). Kept is
+    w sqrt(g / (1 + g)), which takes the noise power out of the amplitude (Rice); w g / (1 + g) would take too much.
     """
     even, odd = slice(3, None, 2), slice(4, None, 2)
     diagonal = np.diag(covariance)
@@ -109,6 +116,7 @@ def _judged(covariance: Array, coefficients: Array, prior: Array) -> tuple[Array
     odds = PRIOR_ODDS * (2 / np.arange(2, energy.size + 2)) ** ODDS_DECAY
     bayes = odds * np.exp(np.minimum(energy * shrink, LARGEST_EVIDENCE)) / (1 + ratio)
     present = bayes / (1 + bayes)
+    shrink = np.sqrt(shrink)
     kept = np.maximum(present * shrink, LEAST_KEPT)
     new_prior, doubt = np.zeros_like(prior), np.zeros_like(prior)
     new_prior[even] = new_prior[odd] = scale * (1 / kept - 1)

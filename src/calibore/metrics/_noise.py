@@ -68,6 +68,10 @@ def plain_draws(rows: int, size: int) -> Array:
     return np.concatenate([draws, -draws])
 
 
+def inverse(matrix: Array) -> Array:
+    return np.linalg.inv(matrix).astype(np.float64, copy=False)
+
+
 def factor(covariance: Array) -> Array:
     """A lower factor L with L L^T = covariance, for one that is positive up to rounding."""
     scale = np.trace(covariance) / len(covariance)

@@ -24,8 +24,10 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 LEAST_POINTS = 8
+WIDEST_GAP = 1.5 * np.pi  # a quarter of the turn must be seen
 FEW_POINTS = 40
 LEAST_DIRECTIONS = 0.5
+SIGNIFICANT = 2.0
 OFF_CENTRE = 0.1  # of the radius
 LINEAR = ("diameter_mean", "area", "diameter_equivalent_area", "perimeter", "diameter_horizontal", "diameter_vertical")
 OVALITIES = ("ovality_f1216_max", "ovality_f1216_min", "ovality_range", "ovality_harmonic")
@@ -46,11 +48,12 @@ class RingQuantities:
     ellipse as further uncertainty. Extremes carry what the bridged wall would add to them as further uncertainty.
     deflection: 100 (D0 - D) / D0 where D is smallest, positive where the pipe has shrunk; deflection_clock its clock.
 
-    fraction_measured: of clock positions; fraction_directions: of directions with both ends measured. flags: names,
-    "few-points", "gap", "off-centre", "extremes-not-measurable", "horizontal-not-measured", "vertical-not-measured",
-    "features" (dents, rails, edges followed on their own), "lone-points" (left out), "noise-above-stated"
-    (differences of neighbours exceed u_independent, which was enlarged), "ovality-not-significant"
-    (ovality_range is below its expanded uncertainty; at zero it was clipped). What cannot be measured is NaN.
+    fraction_measured: of clock positions; fraction_directions: of directions with both ends measured. What cannot be
+    measured is NaN. flags: "few-points"; "arc-too-short" (over 270 deg without a point: nothing is reported); "gap";
+    "off-centre" (more than 0.1 R); "extremes-not-measurable" (fewer than half of the directions), and
+    "horizontal-not-measured", "vertical-not-measured"; "features" (dents, rails, edges followed on their own);
+    "lone-points" (left out); "noise-above-stated" (neighbours differ by more than u_independent says; it was enlarged);
+    "ovality-not-significant" (ovality_range below its expanded uncertainty; where it is zero it was clipped).
     """
 
     centre_x: Quantity
@@ -92,7 +95,9 @@ def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0
         raise InputError(f"roll must be a finite angle in rad, got {roll:g}; give 0 where it is not known.")
     count = int(ring.measured.sum())
     if count < LEAST_POINTS:
-        return _nothing(ring, count)
+        return _nothing(ring, "few-points")
+    if _widest_gap(ring) > WIDEST_GAP:
+        return _nothing(ring, "arc-too-short")
     wall = estimate_wall(ring)
     size = regular_size(ring.clock.size)
     axes = np.array([0.5, 1.5, 0.0, 1.0]) * np.pi - roll
@@ -101,7 +106,7 @@ def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0
     both = grid.covered[: size // 2] & grid.covered[size // 2 : size]
     flags = _flags(wall, ring, grid, both)
     found = _measurable(
-        _in_metres(_linear(grid) | _corrected(grid, both) | _second_harmonic(wall, grid), wall.scale), grid, flags
+        _in_metres(_linear(grid) | _corrected(grid, both) | _second_harmonic(grid), wall.scale), grid, flags
     )
     found |= _clocks(grid, both, found, roll=roll) | _deflections(found, 2 * nominal_radius) | _circle(wall, grid)
     return RingQuantities(
@@ -170,10 +175,11 @@ def _corrected(grid: WallGrid, both: Mask) -> dict[str, tuple[float, float]]:
     value = best - (_extremes(again, both).mean(axis=1, keepdims=True) - best)
     value[2:] = np.maximum(value[2:], 0.0)
     spread = np.mean((_extremes(possible, both) - value) ** 2, axis=1)
-    hidden = 0.0 if both.all() else (_extremes(diameters, np.ones_like(both)) - best)[:, 0]
+    hidden = 0.0 if both.all() else _extremes(diameters, np.ones_like(both)) - best
+    taken = _extremes(grid.diameters("freed"), both) - best
     u_mean = 2 * np.sqrt(np.sum(grid.edges.sum(axis=0) ** 2)) / grid.regular / diameters.mean()
     through_mean = u_mean * np.array([0.0, 0.0, 100.0, 100.0, value[4, 0]])
-    u = np.sqrt(spread + hidden**2 + through_mean**2)
+    u = np.sqrt(spread + (hidden**2 + taken**2)[:, 0] + through_mean**2)
     return dict(zip(EXTREMES, zip(value[:, 0].tolist(), u.tolist(), strict=True), strict=True))
 
 
@@ -185,29 +191,19 @@ def _extremes(diameters: Array, both: Mask) -> Array:
     return np.stack([least, most, 100 * (most / mean - 1), 100 * (1 - least / mean), 100 * (most - least) / mean])
 
 
-def _second_harmonic(wall: Wall, grid: WallGrid) -> dict[str, tuple[float, float]]:
-    """ovality_harmonic with its noise power removed: sqrt(|c2|^2 - E|noise|^2), zero where that is negative (Rice).
-
-    The second harmonic is taken free of its prior, so that a small one is not shrunk.
-    """
-    n, fit = grid.regular, wall.fit
-    pair = slice(3, 5)
-    prior = fit.prior.copy()
-    prior[pair] = 0.0
-    covariance = np.linalg.inv(fit.precision + np.diag(prior))
-    free = covariance @ (fit.precision @ fit.coefficients + fit.prior * fit.coefficients)
+def _second_harmonic(grid: WallGrid) -> dict[str, tuple[float, float]]:
+    """ovality_harmonic of the estimated wall; what was taken off its amplitude as noise counts as uncertainty."""
+    n = grid.regular
     angle = 4 * np.pi * np.arange(n) / n
     project = 2 / n * np.stack([np.cos(angle), np.sin(angle)])
-    vector = project @ grid.best[:n] + (free - fit.coefficients)[pair]
-    noise = covariance[pair, pair]
-    other = project @ np.column_stack([grid.beyond_noise, grid.edges])[:n]
-    total = noise + other @ other.T
-    size = float(np.hypot(*vector))
-    value = np.sqrt(max(size**2 - float(np.trace(noise)), 0.0))
-    largest = float(np.linalg.eigvalsh(total)[-1])
-    along = float(vector @ total @ vector) / size**2 if value > 2 * np.sqrt(largest) else largest
-    unit = 100 / grid.best[:n].mean()
-    return {"ovality_harmonic": (float(value * unit), float(np.sqrt(along) * unit))}
+    free, value = project @ grid.freed[:n], float(np.hypot(*(project @ grid.best[:n])))
+    walls, mean = np.column_stack([grid.possible, grid.edges])[:n], float(grid.best[:n].mean())
+    factors = project @ walls - np.outer(free, walls.mean(axis=0)) / mean
+    covariance = factors @ factors.T
+    largest, size = float(np.linalg.eigvalsh(covariance)[-1]), float(np.hypot(*free))
+    along = float(free @ covariance @ free) / size**2 if size > SIGNIFICANT * np.sqrt(largest) else largest
+    unit = 100 / mean
+    return {"ovality_harmonic": (value * unit, float(np.sqrt(along + (size - value) ** 2)) * unit)}
 
 
 def _linear(grid: WallGrid) -> dict[str, tuple[float, float]]:
@@ -253,12 +249,18 @@ def _flags(wall: Wall, ring: RingShape, grid: WallGrid, both: Mask) -> list[str]
     return [name for name, holds in conditions.items() if holds]
 
 
-def _nothing(ring: RingShape, count: int) -> RingQuantities:
+def _widest_gap(ring: RingShape) -> float:
+    clock = ring.clock[ring.measured]
+    return float(np.diff(clock, append=clock[0] + 2 * np.pi).max())
+
+
+def _nothing(ring: RingShape, flag: str) -> RingQuantities:
+    count = int(ring.measured.sum())
     numbers = {field.name: NOTHING for field in fields(RingQuantities) if field.type is Quantity}
     return RingQuantities(
         **numbers,
         points=count,
         fraction_measured=count / ring.clock.size,
         fraction_directions=0.0,
-        flags=("few-points", "extremes-not-measurable"),
+        flags=(flag, "extremes-not-measurable"),
     )

@@ -9,6 +9,8 @@ from calibore.errors import InputError
 
 Array = NDArray[np.float64]
 
+LEAST_POWER = 0.02  # 1 + 2 sum of the autocorrelation
+
 
 @dataclass(frozen=True, eq=False)
 class RingShape:
@@ -65,3 +67,9 @@ class RingShape:
             raise InputError("common_mode must be finite [m] wherever radius is measured.")
         if not (np.abs(self.correlation) <= 1).all():
             raise InputError("correlation must lie between -1 and 1 at every lag.")
+        power = 1 + 2 * float(self.correlation.sum())
+        if power < LEAST_POWER:
+            raise InputError(
+                f"correlation gives the mean of many points the variance {power:g} / n; it must be above "
+                f"{LEAST_POWER:g} / n. Give fewer lags, or those of a measured autocorrelation."
+            )

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.geometry import clock_of, fit_circle, xy_of
-from calibore.metrics._features import Feature, feature_between, lone_points, split_runs, stretches
+from calibore.metrics._features import Feature, feature_between, lone_points, sharp_jumps, split_runs, stretches
 from calibore.metrics._harmonics import HarmonicFit, fit_harmonics, harmonic_basis, harmonic_count, harmonic_slope
 from calibore.metrics._noise import Noise
 from calibore.metrics._shape import RingShape
@@ -69,17 +69,27 @@ class Wall:
     def harmonics(self) -> int:
         return self.fit.coefficients.size // 2
 
+    @property
+    def edges(self) -> Mask:
+        """Shape (n,): an edge lies between this point and the next measured one."""
+        order = np.flatnonzero(self.used)
+        edges = np.zeros(self.used.size, dtype=bool)
+        edges[order] = sharp_jumps(self.polar.radius[order], self.noise.sigma[order])
+        return edges
+
     def features(self, grid: Array) -> list[Feature]:
-        """The features with the columns of `grid` (g,) [rad] that lie between their points."""
-        residuals, found = self.residuals, []
-        for points in split_runs(self.features_mask):
-            first = self.polar.angle[points[0]]
-            extent = np.mod(self.polar.angle[points[-1]] - first, 2 * np.pi)
-            columns = np.flatnonzero(np.mod(grid - first + 1e-9, 2 * np.pi) <= extent + 2e-9)
+        """The features with the columns of `grid` (g,) [rad] that belong to them: to half a step beyond their ends."""
+        residuals, angle, found = self.residuals, self.polar.angle, []
+        step = 2 * np.pi / angle.size
+        for points in split_runs(self.features_mask, self.edges) if self.features_mask.any() else []:
+            first, last = points[0], points[-1]
+            before, after = (first - 1) % angle.size, (last + 1) % angle.size
+            start = angle[first] - (np.mod(angle[first] - angle[before], 2 * np.pi) if self.used[before] else step) / 2
+            stop = angle[last] + (np.mod(angle[after] - angle[last], 2 * np.pi) if self.used[after] else step) / 2
+            extent = np.mod(stop - start, 2 * np.pi) if points.size < angle.size else np.inf
+            columns = np.flatnonzero(np.mod(grid - start, 2 * np.pi) < extent)
             found.append(
-                feature_between(
-                    points, columns, angles=self.polar.angle, grid=grid, residuals=residuals, noise=self.noise
-                )
+                feature_between(points, columns, angles=angle, grid=grid, residuals=residuals, noise=self.noise)
             )
         return found
 

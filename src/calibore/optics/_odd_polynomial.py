@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 LEAST_SLOPE = 0.05  # of the slope at 0; nearer to its turning point a polynomial describes no lens
 FARTHEST = 100.0  # half image heights, or radians: farther out than any image
 NEGLIGIBLE = 1e-12  # of the slope at 0
-STEPS = 30
+STEPS = 12
+HALVINGS = 60
 CONVERGED = 1e-14
 SETTLED = 1e-9
 
@@ -46,12 +47,28 @@ class OddPolynomial:
 
     def inverse(self, y: NDArray[Any]) -> NDArray[Any]:
         """The x in [0, limit] with value(x) = y, by Newton from x = y; NaN where there is none."""
-        top = self.value(np.array(self.limit))
-        x = np.where(np.real(y) <= np.real(top), np.where(np.real(y) <= self.limit, y, self.limit), np.nan)
+        y = np.where((np.real(y) >= 0) & (np.real(y) <= np.real(self.value(np.array(self.limit)))), y, np.nan)
+        x, settled = self._newton(np.where(np.real(y) <= self.limit, y, self.limit), y)
+        inside = (np.real(x) >= -SETTLED) & (np.real(x) <= self.limit + SETTLED)
+        lost = ~(settled & inside | np.isnan(y))
+        if lost.any():  # an inflection on the way threw Newton off
+            x[lost] = self._newton(self._bisected(np.real(y[lost])), y[lost])[0]
+        return x
+
+    def _newton(self, x: NDArray[Any], y: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
         step = np.zeros_like(x)
-        for _ in range(STEPS):
-            step = (self.value(x) - y) / self.slope(x)
-            x = x - step
-            if not np.nanmax(np.abs(step), initial=0.0) > CONVERGED:
-                break
-        return np.where(np.abs(step) <= SETTLED, x, np.nan)
+        with np.errstate(all="ignore"):  # a point thrown off may run away; `inverse` brings it back
+            for _ in range(STEPS):
+                step = (self.value(x) - y) / self.slope(x)
+                x = x - step
+                if not np.nanmax(np.abs(step), initial=0.0) > CONVERGED:
+                    break
+        return x, np.abs(step) <= SETTLED
+
+    def _bisected(self, y: NDArray[Any]) -> NDArray[Any]:
+        low, high = np.zeros_like(y), np.full_like(y, self.limit)
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            below = self.value(middle) < y
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return (low + high) / 2

@@ -25,7 +25,7 @@ def new_figure(height: float, *, title: str, notes: list[str]) -> Figure:
     figure = Figure(figsize=(WIDTH, height), dpi=DOTS_PER_INCH, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     engine = figure.get_layout_engine()
-    head = (0.30 + 0.165 * len(notes)) / height
+    head = (0.38 + 0.165 * len(notes)) / height
     if engine is not None:
         engine.set(rect=(0.005, 0.0, 0.99, 1.0 - head), h_pad=0.06, w_pad=0.06)  # pyright: ignore[reportCallIssue]
     figure.text(0.012, 1 - 0.07 / height, title, size=TITLE_SIZE, weight="bold", color=INK, va="top")

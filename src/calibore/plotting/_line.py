@@ -43,7 +43,7 @@ def detected_line(image: Any, u: Any, v: Any, status: Any, *, title: str = "Dete
     known = np.isfinite(u) & np.isfinite(v)
     share = 100 * known.mean() if len(u) else 0.0
     notes = [f"{int(known.sum())} of {len(u)} rays have a point ({share:.1f} %); brightness is stretched (square root)"]
-    figure = new_figure(8.3, title=title, notes=notes)
+    figure = new_figure(8.6, title=title, notes=notes)
     main, *small = _panels(figure)
     _show(main, shade)
     style_axes(main, x_label="u [px]", y_label="v [px]", grid=False)
@@ -123,7 +123,7 @@ def _add_legend(figure: Figure, main: Axes) -> None:
     labels = [str(line.get_label()) for line in lines]
     keys = [Line2D([], [], marker=line.get_marker(), color=line.get_color(), linestyle="none") for line in lines]
     style = {"fontsize": SMALL_SIZE, "facecolor": "#2b2b2b", "labelcolor": "white", "edgecolor": "none"}
-    figure.legend(keys, labels, loc="outside lower left", ncols=2, **style)
+    figure.legend(keys, labels, loc="outside lower left", ncols=1, **style)
 
 
 def _close_up(

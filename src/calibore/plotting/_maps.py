@@ -32,6 +32,9 @@ FEW_STATIONS = 60
 
 GAP_HATCH = "#c4c4c4"
 STATION_MARK: dict[str, Any] = {"color": INK, "markersize": 4, "markeredgewidth": 0, "clip_on": False, "zorder": 6}
+ROUNDING = 1e-6
+"""mm or in; deviations below this are rounding, not shape."""
+
 NICE_STEPS = np.array([1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
 
 
@@ -95,9 +98,10 @@ def robust_limit(values: Floats) -> float:
     A rail or an opening (a few per cent of the points, far out) must not flatten the picture of everything else.
     """
     size = np.abs(values[np.isfinite(values)])
-    if size.size == 0 or not size.max() > 0:
+    if size.size == 0 or not size.max() > ROUNDING:
         return 1.0
-    return _nice_above(min(float(size.max()), max(float(np.percentile(size, 90)), 6 * float(np.median(size)))))
+    common = max(float(np.percentile(size, 90)), 6 * float(np.median(size)))
+    return _nice_above(min(float(size.max()), common) if common > ROUNDING else float(size.max()))
 
 
 def _nice_above(value: float) -> float:

@@ -61,7 +61,7 @@ def worst_sections(
     notes = ["Looking along travel; about each ring's fitted centre; by ovality, places a diameter apart if possible"]
     if chosen:
         title += f", deviations enlarged {factor}x" if factor > 1 else ", deviations to scale (1x)"
-    figure = new_figure(4.2 if len(chosen) > 1 else 5.6, title=title, notes=notes)
+    figure = new_figure(4.1 if len(chosen) > 1 else 5.6, title=title, notes=notes)
     outermost = 1 + factor * max(0.0, float(np.nanmax(deviation, initial=0.0))) / nominal_radius
     panels = figure.subplots(1, max(1, len(chosen)), squeeze=False)[0]
     for axes in panels:
@@ -97,10 +97,10 @@ def _ground(axes: Axes, nominal_radius: float, scale: LengthUnit, factor: int, o
         side: dict[str, Any] = {"ha": "left", "va": "top"} if value > 0 else {"ha": "right", "va": "bottom"}
         text = f"{value:+g} {scale.symbol}"
         axes.text(float(x), float(y), text, size=SMALL_SIZE - 1, color=FAINT_INK, **side)
-    edge = outermost + 0.22
+    edge = outermost + 0.30
     axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge))
     for hour in (12, 3, 6, 9):
-        x, y = _page(hour * np.pi / 6, outermost + 0.13)
+        x, y = _page(hour * np.pi / 6, outermost + 0.18)
         axes.text(float(x), float(y), f"{hour} h", size=TEXT_SIZE, color=INK, ha="center", va="center")
     axes.plot([-0.04, 0.04, np.nan, 0, 0], [0, 0, np.nan, -0.04, 0.04], color=FAINT_INK, linewidth=0.8)
 

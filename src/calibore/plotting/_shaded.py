@@ -54,7 +54,7 @@ def shaded_view(
     factor = exaggeration_for(deviation, nominal_radius, room=0.15, most=0.35)
     mesh = mesh_of(layout, _row_edges(wall.clock, rows), shown / nominal_radius, exaggeration=factor, stretch=stretch)
     beside = float(layout.right[-1] - layout.left[0]) * stretch < BESIDE
-    drawn = f"exaggerated {factor}x" if factor > 1 else "to scale (1x)"
+    drawn = f"enlarged {factor}x" if factor > 1 else "to scale (1x)"
     notes = [f"{stretch_note}; deviations {drawn}; parallel projection; together the two halves show the whole wall"]
     figure = new_figure(
         4.6 if beside else 7.0,
@@ -123,7 +123,7 @@ def _draw_ruler(axes: Axes, view: View, layout: Layout, stretch: float) -> None:
         x, y = at(tick, RULER + 0.11)
         axes.text(x, y, f"{tick:g}", size=SMALL_SIZE, color=INK, ha="center", va="top")
     symbol = "station number" if layout.unit is None else f"axial [{layout.unit.symbol}]"
-    x, y = at(middle, RULER + 0.45)
+    x, y = at(middle, RULER + 0.60)
     arrow = ("", " \u2192") if view.right[2] > 0 else ("\u2190 ", "")
     axes.text(x, y, f"{arrow[0]}{symbol}, travel{arrow[1]}", size=SMALL_SIZE, color=INK, ha="center", va="top")
 

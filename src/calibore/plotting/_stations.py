@@ -67,7 +67,7 @@ def _edges(position: Floats, lone_width: float) -> tuple[Floats, Floats, NDArray
     typical = float(np.median(steps[steps > 0])) if np.any(steps > 0) else lone_width
     joined = steps <= GAP_FACTOR * typical
     half = np.where(joined, steps, typical) / 2
-    first, last = (half[0], half[-1]) if len(half) else (typical / 2, typical / 2)
+    first, last = (half[0] or typical / 2, half[-1] or typical / 2) if len(half) else (typical / 2, typical / 2)
     return position - np.append(first, half), position + np.append(half, last), joined
 
 
@@ -85,8 +85,12 @@ def block_extremes(values: Floats, starts: NDArray[np.intp], *, axis: int = 0) -
 
 
 def thinned(layout: Layout, most: int = MOST_COLUMNS) -> tuple[Layout, NDArray[np.intp]]:
-    """`layout` gathered into at most `most` blocks, and where the blocks start (in sorted order)."""
-    starts = block_starts(len(layout.position), most)
+    """`layout` gathered into at most `most` blocks, and where the blocks start (in sorted order).
+
+    Stations at one and the same position (a rig that stood still) share a block.
+    """
+    moved = np.flatnonzero(np.diff(layout.position, prepend=-np.inf) > 0)
+    starts = moved[block_starts(len(moved), most)]
     if len(starts) == len(layout.position):
         return layout, starts
     ends = np.append(starts[1:], len(layout.position)) - 1

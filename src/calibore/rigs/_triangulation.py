@@ -88,7 +88,8 @@ def triangulate(rig: Rig, u: ArrayLike, v: ArrayLike, *, laser: int = 0) -> Tria
     directions, d_pixel, d_camera = rig.camera.unproject_with_sensitivities(u, v)
     meetings = surface.meet(PUPIL, directions)
     status = _status(np.isnan(u) | np.isnan(v), np.isnan(directions[:, 2]), meetings)
-    distance = np.where(status == Status.OK, meetings.distance[0], np.nan)
+    distance = meetings.distance[0]
+    directions = np.where((status == Status.OK)[:, None], directions, np.nan)
     points = PUPIL + distance[:, None] * directions
     gradient = surface.gradient(points)
     closing = np.einsum("ni,ni->n", gradient, directions)

@@ -67,7 +67,7 @@ def _write_text3(group: Any, path: Path, scale: float) -> None:
 
 def _write_csv(group: Any, path: Path, scale: float) -> None:
     names = [variable.name for variable in POINTS_VARIABLES]
-    digits = {"float64": "%.15g", "float32": "%.9g"}
+    digits = {"float64": "%r", "float32": "%.9g"}  # both give every bit back
     formats = ",".join(digits.get(variable.dtype, "%d") for variable in POINTS_VARIABLES) + "\n"
     with path.open("w", encoding="ascii", newline="") as file:
         file.write(",".join(names) + "\n")

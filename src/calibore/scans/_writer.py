@@ -102,9 +102,9 @@ class ResultWriter:
         with told_as_output_error(self._out):
             if self._first is None:
                 self._begin(profile)
-            self._check(profile)
             if self._profile is None or self._points is None or self._rings is None:
                 raise RuntimeError("The result is sealed; add every station before seal() or finish().")
+            self._check(profile)
             self._rings.add({"station": profile.station, "axial": profile.axial, **row})
             self._profile.append(_profile_block(profile))
             self._points.append(_points_block(points, profile.station))

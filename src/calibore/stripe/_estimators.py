@@ -21,6 +21,7 @@ class Estimator(IntEnum):
     THRESHOLD = 3  # midpoint of the two half-height crossings
     CENTROID = 4  # centre of gravity
     CORRELATION = 5  # best match with a Gaussian of the line's width
+    CROSSING = 6  # sign change of the fitted slope alone, without uncertainty: for a first look
 
     @property
     def label(self) -> str:
@@ -29,10 +30,11 @@ class Estimator(IntEnum):
 
 def estimator_named(name: str) -> Estimator:
     """The estimator called `name`, e.g. "zero-crossing"; raises UsageError naming all of them."""
-    for estimator in Estimator:
+    measuring = [estimator for estimator in Estimator if estimator is not Estimator.CROSSING]
+    for estimator in measuring:
         if estimator.label == name:
             return estimator
-    known = ", ".join(estimator.label for estimator in Estimator)
+    known = ", ".join(estimator.label for estimator in measuring)
     raise UsageError(f'Estimator "{name}" is not known; choose one of {known}.')
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from calibore.stripe._chain import link_numpy
 from calibore.stripe._estimators import Peaks, ScanSettings
 from calibore.stripe._rays import Rays
+from calibore.stripe._scatter import Ratios, scatter_ratios
 from calibore.stripe._twin import scan_numpy
 
 try:
@@ -44,3 +45,8 @@ def link(position: Array, *, spacing: float, closed: bool, kernel: str) -> NDArr
     if kernel == "numpy" or _native is None:
         return link_numpy(position, spacing=spacing, closed=closed)
     return _native.link_chains(position, spacing, closed)
+
+
+def ratios_of(kernel: str) -> Ratios:
+    """The scatter statistics by `kernel`; see `calibore.stripe._scatter`."""
+    return scatter_ratios if kernel == "numpy" or _native is None else _native.scatter_ratios

@@ -40,11 +40,11 @@ class NoiseModel:
         return np.exp(-(np.arange(count) ** 2) / (4 * self.grain**2))
 
 
-def background_noise(plane: NDArray[np.generic]) -> float:
-    """Robust standard deviation [grey values] of neighbouring-pixel noise over the whole picture."""
-    sparse = plane[::7, :].astype(np.float64)
-    difference = np.abs(sparse[:, 1::3] - sparse[:, :-1:3][:, : sparse[:, 1::3].shape[1]])
-    return float(max(1.4826 * np.median(difference) / np.sqrt(2), np.sqrt(QUANTISATION)))
+def background_noise(difference: NDArray[np.floating], known: NDArray[np.bool_]) -> float:
+    """Robust standard deviation [grey values] of pixel noise from `difference`s of nearby pixels where `known`."""
+    sample = np.abs(difference[known])
+    middle = float(np.partition(sample, sample.size // 2)[sample.size // 2]) if sample.size else 0.0
+    return max(1.4826 * middle / np.sqrt(2), np.sqrt(QUANTISATION))
 
 
 def pixel_noise(

@@ -30,6 +30,11 @@ class Rays:
         column = self.start[:, 0][extra] + position * self.direction[:, 0][extra]
         return column, self.start[:, 1][extra] + position * self.direction[:, 1][extra]
 
+    def near(self, position: Array, reach: int) -> "Rays":
+        """The part of every ray within `reach` samples of `position` (n,) [px]; of its start where that is NaN."""
+        first = np.floor(np.where(np.isfinite(position), position, 0.0)) - reach
+        return Rays(self.start + first[:, None] * self.direction, self.direction, 2 * reach + 2, self.closed, self.spacing)
+
     def every(self, stride: int) -> "Rays":
         """Every `stride`-th ray."""
         return Rays(self.start[::stride], self.direction[::stride], self.samples, self.closed, self.spacing * stride)

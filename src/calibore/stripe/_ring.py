@@ -10,9 +10,9 @@ from calibore.errors import ImageError
 from calibore.stripe._centre import area_centroid, in_sectors
 from calibore.stripe._chain import choose
 from calibore.stripe._estimators import ScanSettings, estimator_named
-from calibore.stripe._kernel import DEFAULT_KERNEL, link, scan
+from calibore.stripe._kernel import DEFAULT_KERNEL, link
 from calibore.stripe._rays import Rays, annulus, columns
-from calibore.stripe._stripe import COARSE, Picture, Stripe, first_settings, laser_light, learn_noise, measure, prepare
+from calibore.stripe._stripe import COARSE, Picture, Stripe, first_look, first_settings, laser_light, learn_noise, measure, prepare
 
 SETTLED = 0.5
 """Re-centring stops when the centre moves less than this many pixels (Swanbom 2007, 6.3.4.3)."""
@@ -63,7 +63,7 @@ def detect_line(
     picture = prepare(image, channel)
     rays = columns(picture.plane.shape)
     settings = first_settings(picture, rays, estimator_named(estimator))
-    settings = learn_noise(picture, rays, settings, kernel=kernel)
+    settings = learn_noise(picture, rays, first_look(picture, rays, settings, kernel=kernel), settings, kernel=kernel)
     return measure(picture, rays, settings, kernel=kernel)
 
 
@@ -80,8 +80,8 @@ def _centred(
     centre = (float(start[0, 0]), float(start[0, 1]))
     for step in range(MOST_RECENTRINGS):
         coarse = annulus(centre, inner=radii[0], outer=radii[1], count=len(look.start) // COARSE)
-        settings = learn_noise(picture, coarse, settings, kernel=kernel) if step == 0 else settings
-        peaks = scan(picture.image, coarse, settings, band=picture.band, kernel=kernel)
+        peaks = first_look(picture, coarse, settings, kernel=kernel)
+        settings = learn_noise(picture, coarse, peaks, settings, kernel=kernel) if step == 0 else settings
         laser = laser_light(picture, coarse, peaks, settings.noise.width)
         length = link(np.where(laser, peaks.position, np.nan), spacing=coarse.spacing, closed=True, kernel=kernel)
         pick, status = choose(np.where(laser, length, np.isfinite(peaks.position)), laser)

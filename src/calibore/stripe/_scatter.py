@@ -5,6 +5,7 @@ their neighbours (a Birge ratio), taken over distances at which the noise has fo
 same differences tell how much neighbouring peaks share. Robust, so that edges and features do not count.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,16 +27,22 @@ class Scatter:
     correlation: Array
 
 
-def neighbour_scatter(position: Array, *, width: float, spacing: float) -> float:
+Ratios = Callable[[Array, Array, Sequence[int], bool], Sequence[float]]
+"""`scatter_ratios` or its compiled form."""
+
+
+def neighbour_scatter(position: Array, *, width: float, spacing: float, ratios: Ratios) -> float:
     """Robust scatter [px] of `position` (n,) about its neighbours just beyond the reach of the noise correlation."""
     lag = max(1, int(np.ceil(FORGOTTEN * width / spacing)))
-    return float(np.sqrt(_ratio(position, np.ones_like(position), lag, False) / 1.5))
+    return float(np.sqrt(ratios(position, np.ones_like(position), [lag], False)[0] / 1.5))
 
 
-def observe_scatter(position: Array, u: Array, *, width: float, spacing: float, closed: bool) -> Scatter:
+def observe_scatter(
+    position: Array, u: Array, *, width: float, spacing: float, closed: bool, ratios: Ratios
+) -> Scatter:
     """Scatter of `position` (n,) [px] with modelled standard uncertainty `u` (n,) [px]; NaN where there is no peak."""
     far = int(np.clip(np.ceil(FORGOTTEN * width / spacing), 3, max(3, len(position) // 16)))
-    ratio = np.array([_ratio(position, u, lag, closed) for lag in range(1, far + 3)])
+    ratio = np.asarray(ratios(position, u, list(range(1, far + 3)), closed))
     if not np.isfinite(ratio[far - 1]):
         return Scatter(1.0, np.zeros(0))
     total = float(np.nanmedian(ratio[far - 1 :])) / 1.5
@@ -43,19 +50,20 @@ def observe_scatter(position: Array, u: Array, *, width: float, spacing: float, 
     for lag in range(far - 1, 0, -1):
         # var(p_i - (p_i-k + p_i+k)/2) = (1.5 - 2 rho_k + rho_2k / 2) sigma^2
         seen = ratio[lag - 1] / total if np.isfinite(ratio[lag - 1]) else 1.5
-        correlation[lag] = np.clip((1.5 + 0.5 * correlation[2 * lag if lag <= far else 0] - seen) / 2, 0.0, 0.99)
+        correlation[lag] = min(max((1.5 + 0.5 * correlation[2 * lag] - seen) / 2, 0.0), 0.99)
     return Scatter(float(np.sqrt(total)), correlation[1:far])
 
 
-def _ratio(position: Array, u: Array, lag: int, closed: bool) -> float:
+def scatter_ratios(position: Array, u: Array, lags: Sequence[int], closed: bool) -> list[float]:
+    """`scatter_ratio` at every lag: the twin of `native/src/stripe/scatter.rs`."""
+    return [scatter_ratio(position, u, lag, closed=closed) for lag in lags]
+
+
+def scatter_ratio(position: Array, u: Array, lag: int, *, closed: bool) -> float:
     """Robust mean square of second differences at `lag` over the squared uncertainty of their middle; NaN if too few."""
-    if closed:
-        before, after = np.roll(position, lag), np.roll(position, -lag)
-        difference = position - 0.5 * (before + after)
-        local = np.sqrt((u**2 + 0.25 * np.roll(u, lag) ** 2 + 0.25 * np.roll(u, -lag) ** 2) / 1.5)
-    else:
-        difference = position[lag:-lag] - 0.5 * (position[: -2 * lag] + position[2 * lag :])
-        local = np.sqrt((u[lag:-lag] ** 2 + 0.25 * u[: -2 * lag] ** 2 + 0.25 * u[2 * lag :] ** 2) / 1.5)
-    z = np.abs(difference / local)
+    before, after = np.roll(position, lag), np.roll(position, -lag)
+    square = (u**2 + 0.25 * np.roll(u, lag) ** 2 + 0.25 * np.roll(u, -lag) ** 2) / 1.5
+    z = np.abs(position - 0.5 * (before + after)) / np.sqrt(square)
+    z = z if closed else z[lag:-lag]
     z = z[np.isfinite(z)]
     return float((np.median(z) / NORMAL_HALF) ** 2) if z.size >= FEWEST else np.nan

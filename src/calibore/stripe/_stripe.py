@@ -14,7 +14,7 @@ from calibore.stripe._estimators import (
     Peaks,
     ScanSettings,
 )
-from calibore.stripe._kernel import link, scan
+from calibore.stripe._kernel import link, ratios_of, scan
 from calibore.stripe._noise import NoiseModel, background_noise, pixel_noise, speckle
 from calibore.stripe._rays import Rays
 from calibore.stripe._scatter import neighbour_scatter, observe_scatter
@@ -30,8 +30,8 @@ WIDEST = 3.0
 """Light wider than this many line widths is not the laser line."""
 FEWEST_TO_LEARN = 24
 """Peaks needed to learn a noise model."""
-FLOORS = (0.01, 0.05, 0.25, 1.0)
-"""Additive noise tried, as fractions of the line's height; the optimum is flat, factors of five are fine enough."""
+FLOORS = (0.01, 0.07, 0.5)
+"""Additive noise tried, as fractions of the line's height; the optimum is flat, factors of seven are fine enough."""
 FOREIGN = 0.35
 """A peak whose other colours exceed its own by this much more than the line's typically do is not laser light."""
 
@@ -98,24 +98,29 @@ def first_settings(picture: Picture, rays: Rays, estimator: Estimator) -> ScanSe
     column, row = sparse.at(np.broadcast_to(np.arange(float(rays.samples)), (len(sparse.start), rays.samples)))
     height, width = picture.plane.shape
     inside = (column >= 0) & (row >= 0) & (column <= width - 1) & (row <= height - 1)
-    c, r = np.where(inside, column + 0.5, 0).astype(np.intp), np.where(inside, row + 0.5, 0).astype(np.intp)
-    values = picture.plane[r, c].astype(np.float64)
-    values[~inside] = np.nan
     if not inside.any():
         raise ImageError("The region where the ring is expected lies outside the image.")
-    floor = float(np.nanquantile(values, 0.05))
+    c, r = np.where(inside, column + 0.5, 0).astype(np.intp), np.where(inside, row + 0.5, 0).astype(np.intp)
+    values = picture.plane[r, c].astype(np.float32)
+    known = values[inside]
+    floor = float(np.partition(known, known.size // 20)[known.size // 20])
     brightest = np.where(inside, values, -1.0).max(axis=1)
     level = max(float(np.median(brightest[brightest >= 0])) - floor, 0.0)
-    noise = background_noise(picture.plane)
+    noise = background_noise(values[:, 2:] - values[:, :-2], inside[:, 2:] & inside[:, :-2])
     prominence = max(PROMINENT * noise, FAINTEST * level)
     model = NoiseModel(additive=noise**2, contrast=0.04)
     threshold = PUBLISHED_THRESHOLD * picture.white / 255 if estimator is Estimator.PARABOLA else 0.0
     return ScanSettings(estimator, model, floor + 0.6 * prominence, prominence, threshold, picture.white)
 
 
-def learn_noise(picture: Picture, rays: Rays, settings: ScanSettings, *, kernel: str) -> ScanSettings:
-    """`settings` with the noise model, line width and window learnt from a coarse scan along `rays`."""
-    peaks = scan(picture.image, rays, settings, band=picture.band, kernel=kernel)
+def first_look(picture: Picture, rays: Rays, settings: ScanSettings, *, kernel: str) -> Peaks:
+    """Candidates by slope alone: enough to find the line and learn its noise."""
+    plain = settings if settings.estimator is Estimator.PARABOLA else replace(settings, estimator=Estimator.CROSSING)
+    return scan(picture.image, rays, plain, band=picture.band, kernel=kernel)
+
+
+def learn_noise(picture: Picture, rays: Rays, peaks: Peaks, settings: ScanSettings, *, kernel: str) -> ScanSettings:
+    """`settings` with the noise model, line width and window learnt from the `peaks` found along `rays`."""
     good = np.isfinite(peaks.position[:, 0]) & ~peaks.saturated[:, 0]
     if good.sum() < FEWEST_TO_LEARN:
         return settings
@@ -127,23 +132,25 @@ def learn_noise(picture: Picture, rays: Rays, settings: ScanSettings, *, kernel:
     model = speckle(model, height, spacing=rays.spacing)
     window = settings.window if settings.estimator is Estimator.PARABOLA else int(np.clip(2 * round(2 * width), 6, 32))
     settings = replace(settings, noise=model, window=window)
-    return best_floor(picture, rays, settings, float(np.nanmedian(height)), kernel=kernel)
+    return best_floor(picture, rays.near(peaks.position[:, 0], 2 * settings.reach), settings, peaks, kernel=kernel)
 
 
-def best_floor(picture: Picture, rays: Rays, settings: ScanSettings, height: float, *, kernel: str) -> ScanSettings:
-    """`settings` with the additive noise under which neighbouring peaks agree best.
+def best_floor(picture: Picture, rays: Rays, settings: ScanSettings, peaks: Peaks, *, kernel: str) -> ScanSettings:
+    """`settings` with the additive noise under which neighbouring peaks agree best; `rays` short ones about `peaks`.
 
     What is left of the line when the model is subtracted (compression, halo, a line that is not Gaussian) acts like
-    additive noise, in proportion to the line's `height`, and cannot be seen beside the line: so the scatter decides.
+    additive noise, in proportion to the line's height, and cannot be seen beside the line: so the scatter decides.
     """
     if settings.estimator is not Estimator.ZERO_CROSSING:
         return settings
-    trials = []
+    first = np.floor(peaks.position[:, 0]) - 2 * settings.reach
+    height, trials = float(np.nanmedian(peaks.height[:, 0])), []
     for fraction in FLOORS:
         noise = replace(settings.noise, additive=max(settings.noise.additive, (fraction * height) ** 2))
         trial = replace(settings, noise=noise)
-        position = scan(picture.image, rays, trial, band=picture.band, kernel=kernel).position[:, 0]
-        trials.append((neighbour_scatter(position, width=noise.width, spacing=rays.spacing), fraction, trial))
+        place = first + scan(picture.image, rays, trial, band=picture.band, kernel=kernel).position[:, 0]
+        scatter = neighbour_scatter(place, width=noise.width, spacing=rays.spacing, ratios=ratios_of(kernel))
+        trials.append((scatter, fraction, trial))
     return min(trials, key=lambda trial: trial[:2])[2]
 
 
@@ -181,7 +188,7 @@ def measure(picture: Picture, rays: Rays, settings: ScanSettings, *, kernel: str
     status[(status <= Status.RESOLVED) & peaks.saturated[rows, pick]] = Status.SATURATED
     valued = status <= Status.SATURATED
     position, u = (np.where(valued, table[rows, pick], np.nan) for table in (peaks.position, peaks.u))
-    scatter = observe_scatter(position, u, width=settings.noise.width, spacing=rays.spacing, closed=rays.closed)
+    scatter = observe_scatter(position, u, width=settings.noise.width, spacing=rays.spacing, closed=rays.closed, ratios=ratios_of(kernel))
     column, row = rays.at(position)
     height = np.where(valued, peaks.height[rows, pick], np.nan)
     return Stripe(

@@ -15,21 +15,23 @@ FULL_WIDTH = 2.354820045
 """Full width at half height of a Gaussian over its sigma."""
 SATURATED_FROM = 0.97
 """Samples above this fraction of white carry no information about the line's place."""
+ONE = 2.0**32
 LONGEST_STEP = 2.0
 """A Gauss-Newton step longer than this [px] has left the peak: the zero crossing is kept, the step is its doubt."""
 
 
 def scan_numpy(plane: NDArray[np.generic], rays: Rays, settings: ScanSettings) -> Peaks:
     """Candidates on every ray; see `Peaks`."""
-    column, row = rays.at(np.broadcast_to(np.arange(float(rays.samples)), (len(rays.start), rays.samples)))
-    samples, nearest = _sample(plane, column, row)
+    samples, inside = _sample(plane, rays)
+    nearest = _nearest(plane, rays, inside)
     ray, position, slope = _crossings(samples, nearest, settings)
     columns = _describe(samples, ray, position, slope, settings)
     return _highest_first(columns, ray, len(rays.start))
 
 
-def _sample(plane: NDArray[np.generic], column: Array, row: Array) -> tuple[Array, Array]:
-    """Bilinear and nearest-pixel brightness at (column, row); NaN outside the picture."""
+def _sample(plane: NDArray[np.generic], rays: Rays) -> tuple[Array, NDArray[np.bool_]]:
+    """Bilinear brightness (n, samples) along the rays, NaN outside the picture, and what is inside."""
+    column, row = rays.at(np.broadcast_to(np.arange(float(rays.samples)), (len(rays.start), rays.samples)))
     height, width = plane.shape
     inside = (column >= 0) & (row >= 0) & (column <= width - 1) & (row <= height - 1)
     c, r = np.where(inside, column, 0.0), np.where(inside, row, 0.0)
@@ -37,8 +39,16 @@ def _sample(plane: NDArray[np.generic], column: Array, row: Array) -> tuple[Arra
     x, y = c - left, r - top
     values = [plane[top + j, left + i].astype(np.float64) for j in (0, 1) for i in (0, 1)]
     upper, lower = values[0] + x * (values[1] - values[0]), values[2] + x * (values[3] - values[2])
-    nearest = plane[(r + 0.5).astype(np.intp), (c + 0.5).astype(np.intp)].astype(np.float64)
-    return np.where(inside, upper + y * (lower - upper), np.nan), np.where(inside, nearest, np.nan)
+    return np.where(inside, upper + y * (lower - upper), np.nan), inside
+
+
+def _nearest(plane: NDArray[np.generic], rays: Rays, inside: NDArray[np.bool_]) -> Array:
+    """Brightness (n, samples) of the nearest pixel, NaN outside; coordinates in 32.32 fixed point, as the kernel."""
+    start, step = np.floor((rays.start + 0.5) * ONE).astype(np.int64), np.floor(rays.direction * ONE).astype(np.int64)
+    sample = np.arange(rays.samples)
+    column, row = ((start[:, i, None] + sample * step[:, i, None]) >> 32 for i in (0, 1))
+    c, r = np.clip(column, 0, plane.shape[1] - 1), np.clip(row, 0, plane.shape[0] - 1)
+    return np.where(inside, plane[r, c].astype(np.float64), np.nan)
 
 
 def _crossings(samples: Array, nearest: Array, settings: ScanSettings) -> tuple[NDArray[np.intp], Array, Array]:
@@ -104,6 +114,8 @@ def _refine(
     y: Array, position: float, fraction: float, shape: tuple[float, float, float, float], settings: ScanSettings
 ) -> tuple[float, float] | None:
     """(position, u) by the estimator asked for; None where it finds no peak."""
+    if settings.estimator is Estimator.CROSSING:
+        return position, 0.0
     height, background, rise, fall = shape
     middle = int(position + 0.5)
     low, high = max(middle - settings.half_fit, 0), min(middle + settings.half_fit, y.size - 1)

@@ -1,0 +1,43 @@
+"""The `calibore` command and its verbs."""
+
+from typing import Annotated
+
+import typer
+
+from calibore import __version__
+from calibore.cli._demo import demo
+from calibore.cli._export import export
+from calibore.cli._failure import telling_failures
+from calibore.cli._profile import profile
+
+app = typer.Typer(
+    name="calibore",
+    help="Measures the inside of pipes with laser light, and says how well.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"calibore {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+) -> None:
+    pass
+
+
+for verb in (demo, profile, export):
+    app.command()(verb)
+
+
+def main() -> None:
+    """Entry point: runs the verb; a failure becomes one sentence and an exit status."""
+    with telling_failures():
+        app()

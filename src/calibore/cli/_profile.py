@@ -1,0 +1,106 @@
+"""`calibore profile SCAN --out OUT`: a folder of laser-ring images in, a measured pipe out."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from calibore.cli._failure import PARTLY_REFUSED
+
+if TYPE_CHECKING:
+    from calibore.profiling import Progress
+
+Out = Annotated[Path, typer.Option("--out", "-o", help="Result folder; it appears when everything is done.")]
+Workers = Annotated[int, typer.Option(min=1, help="Threads.", show_default="all cores")]
+UnitName = Annotated[str, typer.Option("--unit", help="Length unit of pictures and report: mm or in.")]
+
+
+def profile(
+    scan: Annotated[Path, typer.Argument(help="Scan folder, or its scan.toml.")],
+    out: Out,
+    estimator: Annotated[
+        str,
+        typer.Option(help="zero-crossing, parabola (the dissertation's), maximum, threshold, centroid, correlation."),
+    ] = "zero-crossing",
+    workers: Workers = 0,
+    unit: UnitName = "mm",
+    pictures: Annotated[bool, typer.Option(help="Draw the pictures and the report.")] = True,
+    exports: Annotated[
+        list[str] | None, typer.Option("--export", help="Also write: text3, csv, netcdf, ply, las or laz (repeatable).")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON.")] = False,
+) -> None:
+    """Measure every cross-section of a scan: diameter, ovality, deflection, each with its uncertainty."""
+    from calibore.profiling import profile_scan
+    from calibore.reports import finisher
+
+    finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
+    with progress_bar("Profiling", quiet=json) as progress:
+        summary = profile_scan(
+            scan, out, estimator=estimator, workers=workers or None, progress=progress, finisher=finish
+        )
+    tell(summary, out, unit=unit, json=json)
+    if summary["counts"]["refused_images"]:
+        raise typer.Exit(PARTLY_REFUSED)
+
+
+@contextmanager
+def progress_bar(what: str, *, quiet: bool) -> Iterator["Progress | None"]:
+    """A progress bar on standard error while the block runs; nothing when `quiet` or when nobody is watching."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(what, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def tell(summary: dict[str, Any], out: Path, *, unit: str, json: bool) -> None:
+    """The result in a few lines, or all of the summary as JSON."""
+    if json:
+        import json as encoder
+
+        typer.echo(encoder.dumps(_finite(summary), indent=2, ensure_ascii=False))
+        return
+    for line in brief(summary, unit):
+        typer.echo(line)
+    report = out / "report.html"
+    typer.echo(f"Result: {out}" + (f"   Report: {report}" if report.exists() else ""))
+
+
+def brief(summary: dict[str, Any], unit: str) -> Iterator[str]:
+    """What a contractor wants to read first, with 95 % uncertainties (k = 2), then the warnings."""
+    from calibore.units import parse_quantity
+
+    counts, scale = summary["counts"], parse_quantity(f"1 {unit}", "length")
+    yield (
+        f"{counts['stations']} stations from {counts['images']} images, "
+        f"{100 * summary['fraction_measured']:.1f} % of all positions measured."
+    )
+    if summary["diameter_mean_m"] is not None:
+        yield f"Mean diameter {summary['diameter_mean_m'] / scale:.3f} {unit}."
+    for row in summary["worst_stations"][:1]:
+        form = max(("max", "min"), key=lambda f: row[f"ovality_f1216_{f}_percent"])
+        name = f"ovality_f1216_{form}_percent"
+        yield (
+            f"Worst ovality {row[name]:.2f} % (U95 {2 * row['u_' + name]:.2f}) at station {row['station']}, "
+            f"{row['axial_m'] / scale:.1f} {unit}; deflection there {row['deflection_percent']:.2f} % "
+            f"(U95 {2 * row['u_deflection_percent']:.2f})."
+        )
+    for warning in summary["warnings"]:
+        yield f"Warning: {warning}"
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and value != value else value

@@ -1,0 +1,77 @@
+"""Where the rig was at each station: from the scan's regular motion, its station table or its odometry."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from calibore.errors import InputError
+from calibore.geometry import Pose
+from calibore.images import ImageFolder, ImageSource, StationImages, Video, read_odometry, read_station_table
+from calibore.rigs import Rig
+from calibore.scans import AxialMotion, ScanSpec
+
+FOLDER_CHANNEL = "red"
+VIDEO_CHANNEL = "luma"
+"""Colour is subsampled and delayed in video: it moved a ring's centre by 2.9 px where luma did not."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """`pipe_from_rig` with its `axial` position [m] and `roll` [rad]; `time` [s] or NaN."""
+
+    axial: float
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+    time: float = float("nan")
+
+    @property
+    def pipe_from_rig(self) -> Pose:
+        return Pose.from_roll_pitch_yaw(self.roll, self.pitch, self.yaw, translation=(0.0, 0.0, self.axial))
+
+
+Placer = Callable[[StationImages], Placement | None]
+"""The placement of a station, or None where the scan does not say it."""
+
+
+def open_source(spec: ScanSpec, rig: Rig) -> tuple[ImageSource, str, Placer]:
+    """The scan's pictures, the colour channel its line is looked for in, and where its stations lie."""
+    if spec.kind != "forward-looking":
+        raise InputError(f"{spec.folder} is a {spec.kind} scan; this version profiles forward-looking laser rings only.")
+    channel = rig.lasers[0].channel
+    if spec.video is not None:
+        return _open_video(spec, spec.video, channel or VIDEO_CHANNEL)
+    source = ImageFolder(spec.folder, spec.pattern or "")
+    return source, channel or FOLDER_CHANNEL, _by_station(spec)
+
+
+def _open_video(spec: ScanSpec, path: Path, channel: str) -> tuple[ImageSource, str, Placer]:
+    if not isinstance(spec.motion, Path):
+        source = Video(path, channel)
+        return source, channel, _by_station(spec)
+    odometry = read_odometry(spec.motion)
+
+    def place(station: StationImages) -> Placement | None:
+        time = station.time_s if station.time_s is not None else float("nan")
+        axial, roll = odometry.at(time)
+        return Placement(float(axial), float(roll), time=time)
+
+    return Video(path, channel, odometry), channel, place
+
+
+def _by_station(spec: ScanSpec) -> Placer:
+    motion = spec.motion
+    if isinstance(motion, AxialMotion):
+        return lambda station: Placement(
+            float(motion.axial(station.station)), time=float("nan") if station.time_s is None else station.time_s
+        )
+    table = read_station_table(motion)
+
+    def place(station: StationImages) -> Placement | None:
+        row = table.get(station.station)
+        if row is None:
+            return None
+        time = float("nan") if row.time is None else row.time
+        return Placement(row.axial, row.roll, row.pitch, row.yaw, time)
+
+    return place

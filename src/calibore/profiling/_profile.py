@@ -1,0 +1,125 @@
+"""The main job: a scan folder in, a measured pipe out."""
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import ImageError, InputError
+from calibore.images import ImageSource, StationImages
+from calibore.profiling._pipeline import in_order
+from calibore.profiling._placement import Placement, Placer, open_source
+from calibore.profiling._station import Job, StationResult, measure_station
+from calibore.profiling._summary import Tally, summarise
+from calibore.profiling._take import search_region
+from calibore.rigs import Rig, read_rig
+from calibore.scans import ResultWriter, ScanSpec, read_scan
+from calibore.stripe import Stripe, estimator_named
+from calibore.uncertainty import Covariance
+
+Progress = Callable[[int, int | None], None]
+"""Called after every station with the number done and how many are expected (None where unknown)."""
+Finisher = Callable[["Sealed"], None]
+"""Called once everything is measured, to put pictures and a report beside the arrays."""
+
+
+@dataclass(frozen=True)
+class Sealed:
+    """A complete measurement that has not got its name yet: `folder` may be read, and files may be added to it.
+
+    `example`: one image with the line found in it.
+    """
+
+    folder: Path
+    spec: ScanSpec
+    rig: Rig
+    summary: dict[str, Any]
+    example: tuple[NDArray[np.generic], Stripe] | None
+
+
+@dataclass
+class _Reading:
+    """Draws stations from the source, leaving out those that the motion table does not know."""
+
+    source: ImageSource
+    place: Placer
+    unplaced: list[int] = field(default_factory=list)
+
+    def __iter__(self) -> Iterator[tuple[StationImages, Placement]]:
+        for images in self.source.stations():
+            placement = self.place(images)
+            if placement is None:
+                self.unplaced.append(images.station)
+            else:
+                yield images, placement
+
+
+def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer]:
+    """Everything that can be wrong with a scan before its first image is read, found out."""
+    estimator_named(estimator)
+    if spec.rig_path is None:
+        raise InputError(f"{spec.folder / 'scan.toml'} names no rig; add rig = \"rig.toml\".")
+    rig = read_rig(spec.rig_path).with_default_uncertainty(spec.nominal_radius)
+    search = search_region(rig, spec.nominal_radius, inner=spec.search_inner, outer=spec.search_outer)
+    source, channel, place = open_source(spec, rig)
+    covariance = rig.covariance or Covariance.independent({})
+    return Job(rig, covariance, search, channel, estimator, spec.nominal_radius), source, place
+
+
+def measure_scan(
+    job: Job, source: ImageSource, place: Placer, *, workers: int, tally: Tally
+) -> Iterator[StationResult]:
+    """Every usable station in order; what could not be used is counted and named in `tally`."""
+    reading = _Reading(source, place)
+
+    def work(item: tuple[StationImages, Placement]) -> StationResult | ImageError:
+        try:
+            return measure_station(*item, job)
+        except ImageError as error:
+            return error
+
+    for result in in_order(reading, work, workers=workers):
+        if isinstance(result, ImageError):
+            tally.refuse_station(str(result))
+        else:
+            tally.add(result)
+            yield result
+    tally.leave_out(reading.unplaced, source.refusals)
+
+
+def profile_scan(
+    scan: Path | str,
+    out: Path | str,
+    *,
+    estimator: str = "zero-crossing",
+    workers: int | None = None,
+    progress: Progress | None = None,
+    finisher: Finisher | None = None,
+) -> dict[str, Any]:
+    """Measure the scan folder `scan`, write the result folder `out` (formats.md, section 4), return its summary.
+
+    `summary["refused"]` names every image that could not be used. Raises InputError where nothing can be measured,
+    OutputError where the result cannot be written; `out` then is as it was.
+    """
+    spec = read_scan(Path(scan))
+    job, source, place = prepare(spec, estimator=estimator)
+    tally = Tally()
+    example: tuple[NDArray[np.generic], Stripe] | None = None
+    with ResultWriter(out, spec) as writer:
+        for result in measure_scan(job, source, place, workers=workers or os.cpu_count() or 1, tally=tally):
+            writer.add(result.profile, result.points, result.row)
+            example = example or (result.first_image(), result.takes[0].stripe)
+            if progress:
+                progress(tally.stations, source.expected_stations)
+        if tally.stations == 0:
+            raise InputError(tally.nothing_left(spec.folder))
+        folder = writer.seal()
+        summary = summarise(spec, job, tally)
+        if finisher:
+            finisher(Sealed(folder, spec, job.rig, summary, example))
+        writer.finish(summary)
+    return summary

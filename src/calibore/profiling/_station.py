@@ -1,0 +1,152 @@
+"""One station from its images to its profile, its points and its row of ring quantities."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import ImageError
+from calibore.images import Pixels, StationImages
+from calibore.metrics import RingQuantities, RingShape, ring_quantities
+from calibore.profiling._grid import Ring, grid_ring
+from calibore.profiling._placement import Placement
+from calibore.profiling._take import Search, TakePoints, measure_take
+from calibore.profiling._takes import combine_takes
+from calibore.rigs import Rig
+from calibore.scans import RingPoints, RingProfile
+from calibore.uncertainty import Covariance, Quantity, propagate
+
+Array = NDArray[np.float64]
+UNITS = {"area": "_m2", "clock": "_rad", "ovality": "_percent", "deflection": "_percent"}
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all stations share. `covariance` is the rig's, of parameters common to the scan."""
+
+    rig: Rig
+    covariance: Covariance
+    search: Search
+    channel: str
+    estimator: str
+    nominal_radius: float
+
+
+@dataclass(frozen=True)
+class StationResult:
+    """What one station gave; `refused` sentences of the images that could not be used."""
+
+    profile: RingProfile
+    points: RingPoints
+    row: dict[str, float | int | str]
+    quantities: RingQuantities
+    take_correlation: float
+    scale: float
+    takes: tuple[TakePoints, ...]
+    refused: tuple[str, ...]
+    first_image: Callable[[], Pixels]
+
+
+def measure_station(images: StationImages, placement: Placement, job: Job) -> StationResult:
+    """Everything of one station; raises ImageError, naming every image, where none of its images can be used."""
+    takes: list[TakePoints] = []
+    numbers: list[int] = []
+    refused: list[str] = []
+    for number in images.takes:
+        try:
+            picture = images.read(number)
+            takes.append(measure_take(picture, job.rig, job.search, channel=job.channel, estimator=job.estimator))
+            numbers.append(number)
+        except ImageError as error:
+            refused.append(f"station {images.station}, take {number}: {str(error).rstrip('.')}.")
+    if not takes:
+        raise ImageError(" ".join(refused))
+    rings = [grid_ring(take, job.covariance, stripe=job.rig.stripe) for take in takes]
+    ring, shared = combine_takes(rings)
+    shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)
+    quantities = ring_quantities(shape, nominal_radius=job.nominal_radius, roll=placement.roll)
+    return StationResult(
+        _profile(images.station, placement, ring, quantities),
+        _points(takes, numbers, placement, job.covariance),
+        ring_row(quantities, axial=placement.axial, takes=len(takes)),
+        quantities,
+        shared,
+        float(np.mean([take.stripe.scale for take in takes])),
+        tuple(takes),
+        tuple(refused),
+        partial(images.read, numbers[0]),
+    )
+
+
+def _profile(station: int, placement: Placement, ring: Ring, quantities: RingQuantities) -> RingProfile:
+    return RingProfile(
+        station=station,
+        axial=placement.axial,
+        clock=ring.clock,
+        radius=ring.radius,
+        axial_position=placement.axial + ring.axial,
+        u_independent=ring.u,
+        common_mode=ring.modes,
+        status=ring.status,
+        centre_x=quantities.centre_x.value,
+        centre_y=quantities.centre_y.value,
+        u_centre_x=quantities.centre_x.u,
+        u_centre_y=quantities.centre_y.u,
+        time_s=placement.time,
+        roll=placement.roll,
+    )
+
+
+def _points(takes: list[TakePoints], numbers: list[int], placement: Placement, covariance: Covariance) -> RingPoints:
+    """Every ray of every take, in the pipe frame; rays without a point are kept with the status that says why."""
+    pose = placement.pipe_from_rig
+    columns: dict[str, list[Array]] = {name.name: [] for name in fields(RingPoints)}
+    for number, take in zip(numbers, takes, strict=True):
+        valued = np.where(np.isfinite(take.u_position), 0.0, np.nan)
+        wall = pose.apply(take.points.points)
+        sensitivities = take.points.radius_sensitivities.parameters
+        common = propagate(sensitivities, covariance, names=take.points.parameter_names).u
+        values = {
+            "x": wall[:, 0],
+            "y": wall[:, 1],
+            "z": wall[:, 2],
+            "radius": take.points.radius + valued,
+            "clock": take.clock,
+            "axial": wall[:, 2],
+            "u_radius": np.hypot(take.along * take.u_position, common),
+            "u": take.stripe.u,
+            "v": take.stripe.v,
+            "take": np.full(take.clock.size, number),
+            "status": take.status,
+        }
+        for name, value in values.items():
+            columns[name].append(value)
+    joined = {name: np.concatenate(parts) for name, parts in columns.items()}
+    return RingPoints(**joined)  # pyright: ignore[reportArgumentType]
+
+
+def ring_row(quantities: RingQuantities, *, axial: float, takes: int) -> dict[str, float | int | str]:
+    """The row of rings.csv: every quantity in SI (percent where it is a percentage), each followed by its u."""
+    row: dict[str, float | int | str] = {
+        "axial_m": axial,
+        "takes": takes,
+        "points": quantities.points,
+        "fraction": quantities.fraction_measured,
+        "fraction_directions": quantities.fraction_directions,
+    }
+    for field in fields(quantities):
+        value = getattr(quantities, field.name)
+        if isinstance(value, Quantity):
+            name = field.name + unit_suffix(field.name)
+            row[name], row[f"u_{name}"] = value.value, value.u
+    row["flags"] = " ".join(quantities.flags)
+    return row
+
+
+def unit_suffix(name: str) -> str:
+    """`"diameter_min"` -> `"_m"`, `"diameter_min_clock"` -> `"_rad"`, `"area"` -> `"_m2"`."""
+    if name.endswith("_clock"):
+        return "_rad"
+    return UNITS.get(name.split("_")[0], "_m")
