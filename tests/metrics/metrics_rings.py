@@ -9,7 +9,7 @@ from calibore.metrics import RingShape
 
 NOMINAL = 0.15  # m
 DENT_DEPTH, DENT_HALF_WIDTH = 0.075, np.radians(9)  # of the radius; the dent is 18 deg wide
-RAIL_HEIGHT, RAIL_HALF_WIDTH = 0.13, np.radians(8)
+RAIL_HEIGHT = 0.13
 OVALITIES = ("ovality_f1216_max", "ovality_f1216_min", "ovality_range", "ovality_harmonic")
 
 
@@ -22,6 +22,7 @@ class Pipe:
     dent: bool = False
     rail: bool = False
     place: float = 0.0
+    rail_half_width: float = 0.14  # rad
 
     def radius(self, angle):
         away = np.abs(np.mod(angle - self.place + np.pi, 2 * np.pi) - np.pi)
@@ -30,7 +31,7 @@ class Pipe:
             radius = radius - np.where(
                 away < DENT_HALF_WIDTH, DENT_DEPTH / 2 * (1 + np.cos(np.pi * away / DENT_HALF_WIDTH)), 0
             )
-        return radius - RAIL_HEIGHT * (away < RAIL_HALF_WIDTH) if self.rail else radius
+        return radius - RAIL_HEIGHT * (away < self.rail_half_width) if self.rail else radius
 
     def truth(self):
         angle = np.arange(20000) * 2 * np.pi / 20000
@@ -74,7 +75,7 @@ def short_range_noise(rng, count, kind):
 def random_ring(rng, *, noise, kind="white", count=400, spread=0.0, offset=0.0, gap=0.0, dent=False, rail=False):
     """A ring and its truth: noise [NOMINAL], `spread` true (Dmax - Dmin) / Dmean of the ellipse [%]."""
     axis, place, towards = rng.uniform(0, 2 * np.pi, 3)
-    pipe = Pipe(spread / 200, axis, dent, rail, place)
+    pipe = Pipe(spread / 200, axis, dent, rail, place, rng.uniform(0.1, 0.2))
     clock = np.arange(count) * 2 * np.pi / count
     centre = tuple(float(c) for c in xy_of(towards, offset))
     unit_noise, correlation = short_range_noise(rng, count, kind)

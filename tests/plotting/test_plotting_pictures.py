@@ -17,28 +17,26 @@ from calibore.plotting import STANDARD_PICTURES, deviation_map, save_picture
 UNEQUAL = [0, 0.0254, 0.0508, 0.15, 0.4, 0.45]
 
 
+def _pipe(axial, **options):
+    return synthetic_profile(axial, **{"clock_count": 120} | options)
+
+
 def _nothing_measured():
-    profile = synthetic_profile([0.0, 0.01, 0.02])
+    profile = _pipe([0.0, 0.01, 0.02])
     profile["radius"][:] = np.nan
     return profile
-
-
-def _without_centre():
-    return synthetic_profile(UNEQUAL).drop_vars(["centre_x", "centre_y"])
 
 
 PIPES = {
     "one station": lambda: synthetic_profile([0.3]),
     "six stations, unequal steps": lambda: synthetic_profile(UNEQUAL),
-    "backwards": lambda: synthetic_profile(UNEQUAL[::-1]),
-    "two hundred stations": lambda: synthetic_profile(np.arange(200) * 0.00254, centre=(0.004, -0.006)),
-    "half missing": lambda: synthetic_profile(np.arange(40) * 0.02, missing=0.45),
+    "two hundred stations": lambda: _pipe(np.arange(200) * 0.00254, centre=(0.004, -0.006)),
+    "half missing": lambda: _pipe(np.arange(40) * 0.02, missing=0.45),
     "nothing measured": _nothing_measured,
-    "no centre": _without_centre,
-    "no motion": lambda: synthetic_profile(np.zeros(5)),
-    "unknown positions": lambda: synthetic_profile(UNEQUAL).assign_coords(axial=("station", [0, 1, np.nan, 2, 3, 4])),
-    "sixteen clock positions": lambda: synthetic_profile(np.arange(5) * 0.01, clock_count=16),
-    "a kilometre": lambda: synthetic_profile(np.arange(60) * 16.0),
+    "backwards, no centre": lambda: _pipe(UNEQUAL[::-1]).drop_vars(["centre_x", "centre_y"]),
+    "no motion": lambda: _pipe(np.zeros(5)),
+    "unknown positions": lambda: _pipe(UNEQUAL).assign_coords(axial=("station", [0, 1, np.nan, 2, 3, 4])),
+    "a kilometre, sixteen clock positions": lambda: _pipe(np.arange(12) * 80.0, clock_count=16),
 }
 
 
@@ -90,23 +88,24 @@ def test_axes_say_what_they_show_and_in_which_unit(unit):
 
 
 def test_a_long_pipe_reads_in_metres_or_feet():
-    profile = PIPES["a kilometre"]()
+    profile = _pipe(np.arange(12) * 80.0)
     for unit, long_unit in (("mm", "m"), ("in", "ft")):
         axes = deviation_map(profile, _rings(profile), nominal_radius=RADIUS, unit=unit).axes[0]
         assert f"[{long_unit}]" in axes.get_xlabel()
 
 
 def test_pictures_drawn_in_threads_equal_those_drawn_one_by_one():
-    profile = synthetic_profile(UNEQUAL)
+    profile = _pipe(UNEQUAL)
 
     def png(picture) -> bytes:
         buffer = BytesIO()
         _draw(picture, profile).savefig(buffer, format="png", metadata={"Software": None})
         return buffer.getvalue()
 
-    alone = [png(picture) for picture in STANDARD_PICTURES]
-    with ThreadPoolExecutor(4) as pool:
-        assert list(pool.map(png, STANDARD_PICTURES)) == alone
+    some = STANDARD_PICTURES[:3]
+    alone = [png(picture) for picture in some]
+    with ThreadPoolExecutor(3) as pool:
+        assert list(pool.map(png, some)) == alone
 
 
 def test_drawing_does_not_touch_pyplot():

@@ -84,7 +84,7 @@ def test_a_kilometre_down_the_pipe_positions_still_have_all_their_digits(result)
 def test_ring_quantities_keep_every_digit(result):
     rings = read_rings(result)
     rows = [row(ring(station, points=1900)[0]) for station in range(STATIONS)]
-    assert list(rings) == ["station", "axial", "mean_diameter", "u_mean_diameter", "flags"]
+    assert list(rings) == ["station", "axial_m", "mean_diameter", "u_mean_diameter", "flags"]
     assert rings["station"].dtype == np.int64
     for name in ("mean_diameter", "u_mean_diameter", "flags"):
         assert rings[name].tolist() == [entry[name] for entry in rows]

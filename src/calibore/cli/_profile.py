@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from calibore.profiling import Progress
 
 Out = Annotated[Path, typer.Option("--out", "-o", help="Result folder; it appears when everything is done.")]
-Workers = Annotated[int, typer.Option(min=1, help="Threads.", show_default="all cores")]
+Workers = Annotated[int | None, typer.Option(min=1, help="Threads.", show_default="all cores")]
 UnitName = Annotated[str, typer.Option("--unit", help="Length unit of pictures and report: mm or in.")]
 
 
@@ -24,7 +24,7 @@ def profile(
         str,
         typer.Option(help="zero-crossing, parabola (the dissertation's), maximum, threshold, centroid, correlation."),
     ] = "zero-crossing",
-    workers: Workers = 0,
+    workers: Workers = None,
     unit: UnitName = "mm",
     pictures: Annotated[bool, typer.Option(help="Draw the pictures and the report.")] = True,
     exports: Annotated[
@@ -39,7 +39,7 @@ def profile(
     finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
     with progress_bar("Profiling", quiet=json) as progress:
         summary = profile_scan(
-            scan, out, estimator=estimator, workers=workers or None, progress=progress, finisher=finish
+            scan, out, estimator=estimator, workers=workers, progress=progress, finisher=finish
         )
     tell(summary, out, unit=unit, json=json)
     if summary["counts"]["refused_images"]:
@@ -84,8 +84,9 @@ def brief(summary: dict[str, Any], unit: str) -> Iterator[str]:
         f"{counts['stations']} stations from {counts['images']} images, "
         f"{100 * summary['fraction_measured']:.1f} % of all positions measured."
     )
-    if summary["diameter_mean_m"] is not None:
-        yield f"Mean diameter {summary['diameter_mean_m'] / scale:.3f} {unit}."
+    mean, u_mean = summary["mean_diameter_m"] / scale, summary["u_mean_diameter_m"] / scale
+    if mean == mean:
+        yield f"Mean diameter {mean:.3f} {unit} (U95 {2 * u_mean:.3f})."
     for row in summary["worst_stations"][:1]:
         form = max(("max", "min"), key=lambda f: row[f"ovality_f1216_{f}_percent"])
         name = f"ovality_f1216_{form}_percent"

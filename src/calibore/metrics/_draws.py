@@ -87,13 +87,12 @@ def regular_size(n: int) -> int:
 def wall_grid(wall: Wall, ring: RingShape, *, angles: Array, regular: int) -> WallGrid:
     """`wall` at `angles` (g,) [rad about the centre], the first `regular` of them equally spaced over the turn."""
     basis = np.vstack([_regular_basis(regular, wall.harmonics), harmonic_basis(angles[regular:], wall.harmonics)])
-    at_points = harmonic_basis(wall.polar.angle, wall.harmonics)
     fit, residuals, features = wall.fit, wall.residuals, wall.features(angles)
     best, response = basis @ fit.coefficients, basis.copy()
     again, possible = [], []
     for feature in features:
         best[feature.columns] += feature.smoother @ residuals[feature.points]
-        response[feature.columns] -= feature.smoother @ at_points[feature.points]  # there the points take over
+        response[feature.columns] -= feature.smoother @ wall.basis[feature.points]  # there the points take over
         again.append(_placed(feature.columns, feature.smoother @ feature.noise, angles.size))
         possible.append(_placed(feature.columns, feature.spread, angles.size))
     modes, centre_modes = _modes(wall, ring, angles, best=best, regular=regular)

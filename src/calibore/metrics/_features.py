@@ -98,8 +98,11 @@ def matern(distance: Array, length: float) -> Array:
 def sharp_jumps(values: Array, sigma: Array) -> Mask:
     """Where `values` (n,) round the ring step to the next one as an edge does, not as a slope: shape (n,)."""
     jumps = np.abs(np.roll(values, -1) - values)
+    high = jumps > 2 * EDGE * sigma
+    if not high.any():
+        return high
     around = np.median([np.roll(jumps, shift) for shift in range(-BESIDE, BESIDE + 1)], axis=0)
-    return jumps > EDGE * np.maximum(around, 2 * sigma)
+    return high & (jumps > EDGE * around)
 
 
 def split_runs(mask: Mask, edges: Mask) -> list[NDArray[np.intp]]:

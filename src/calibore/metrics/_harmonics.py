@@ -24,6 +24,9 @@ SMALLEST_SLAB = 3.0  # amplitude variance of a present harmonic over its noise v
 LARGEST_EVIDENCE = 500.0  # exp() beyond overflows; the harmonic is certain long before
 ROUNDS, FURTHER_ROUNDS = 4, 2
 LEAST_KEPT = 1e-4
+SMALLEST_VARIANCE = 1e-30
+LEAST_PRIOR = 1e-10  # of the largest precision: rounding
+RIDGE = 1e-9  # relative: a short arc must not divide by zero
 WIDE_PRIOR = 0.05  # of the radius: start of the iteration
 
 
@@ -76,14 +79,18 @@ def fit_harmonics(
     weighted = basis * weights[:, None]
     precision, score = weighted.T @ basis, weighted.T @ radii
     if noise.correlation.size:
-        whitened = np.linalg.solve(noise.covariance_of(weighted), precision)
+        spread = noise.covariance_of(weighted)
+        spread[np.diag_indices_from(spread)] *= 1 + RIDGE
+        whitened = np.linalg.solve(spread, precision)
         precision, score = precision @ whitened, whitened.T @ score
         precision = 0.5 * (precision + precision.T)
     rounds = ROUNDS if prior is None else FURTHER_ROUNDS
     if prior is None:
         prior = np.concatenate([np.zeros(3), np.full(basis.shape[1] - 3, WIDE_PRIOR**-2)])
     doubt: Array = np.zeros_like(prior)
+    least = np.where(prior > 0, LEAST_PRIOR * float(np.max(np.diag(precision))), 0.0)
     for _ in range(rounds):
+        prior = np.maximum(prior, least)
         covariance = inverse(precision + np.diag(prior))
         prior, doubt = _judged(covariance, covariance @ score, prior)
     covariance = inverse(precision + np.diag(prior))
@@ -103,7 +110,8 @@ def _judged(covariance: Array, coefficients: Array, prior: Array) -> tuple[Array
     even, odd = slice(3, None, 2), slice(4, None, 2)
     diagonal = np.diag(covariance)
     p, q, cross = diagonal[even], diagonal[odd], np.diag(covariance, 1)[3::2]
-    determinant = np.maximum(p * q - cross * cross, 1e-300)
+    p, q = np.maximum(p, SMALLEST_VARIANCE), np.maximum(q, SMALLEST_VARIANCE)
+    determinant = np.maximum(p * q - cross * cross, RIDGE * p * q)
     own = prior[even]
     s11, s22, s12 = q / determinant - own, p / determinant - own, -cross / determinant
     a, b = coefficients[even], coefficients[odd]

@@ -49,11 +49,12 @@ class RingQuantities:
     deflection: 100 (D0 - D) / D0 where D is smallest, positive where the pipe has shrunk; deflection_clock its clock.
 
     fraction_measured: of clock positions; fraction_directions: of directions with both ends measured. What cannot be
-    measured is NaN. flags: "few-points"; "arc-too-short" (over 270 deg without a point: nothing is reported); "gap";
-    "off-centre" (more than 0.1 R); "extremes-not-measurable" (fewer than half of the directions), and
-    "horizontal-not-measured", "vertical-not-measured"; "features" (dents, rails, edges followed on their own);
-    "lone-points" (left out); "noise-above-stated" (neighbours differ by more than u_independent says; it was enlarged);
-    "ovality-not-significant" (ovality_range below its expanded uncertainty; where it is zero it was clipped).
+    measured is NaN. flags: "few-points"; "arc-too-short" (over 270 deg without a point) and "no-circle" (the points go
+    round no centre), with which nothing is reported; "gap"; "off-centre" (more than 0.1 R); "extremes-not-measurable"
+    (fewer than half of the directions), "horizontal-not-measured", "vertical-not-measured"; "features" (dents, rails,
+    edges followed on their own); "lone-points" (left out); "noise-above-stated" (neighbours differ by more than
+    u_independent says; it was enlarged); "ovality-not-significant" (ovality_range below its expanded uncertainty;
+    where it is zero it was clipped).
     """
 
     centre_x: Quantity
@@ -98,7 +99,9 @@ def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0
         return _nothing(ring, "few-points")
     if _widest_gap(ring) > WIDEST_GAP:
         return _nothing(ring, "arc-too-short")
-    wall = estimate_wall(ring)
+    wall = _wall_or_none(ring)
+    if wall is None:
+        return _nothing(ring, "no-circle")
     size = regular_size(ring.clock.size)
     axes = np.array([0.5, 1.5, 0.0, 1.0]) * np.pi - roll
     angles = np.concatenate([2 * np.pi * np.arange(size) / size, axes])
@@ -117,6 +120,17 @@ def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0
         fraction_directions=float(both.mean()),
         flags=tuple(flags),
     )
+
+
+def _wall_or_none(ring: RingShape) -> Wall | None:
+    """The wall, or None where the points do not go round one centre that the rig is inside of."""
+    try:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # judged below
+            wall = estimate_wall(ring)
+    except (InputError, np.linalg.LinAlgError):
+        return None
+    inside = np.hypot(*wall.centre) < 1 and 0.5 < wall.fit.coefficients[0] < 2
+    return wall if inside and np.isfinite(wall.fit.coefficients).all() else None
 
 
 def _in_metres(found: dict[str, tuple[float, float]], scale: float) -> dict[str, Quantity]:

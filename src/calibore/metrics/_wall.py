@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore.errors import InputError
 from calibore.geometry import clock_of, fit_circle, xy_of
 from calibore.metrics._features import Feature, feature_between, lone_points, sharp_jumps, split_runs, stretches
 from calibore.metrics._harmonics import HarmonicFit, fit_harmonics, harmonic_basis, harmonic_count, harmonic_slope
@@ -25,10 +26,11 @@ START_RIDGE = 1e-3  # harmonics that a missing arc leaves open stay small
 CAUCHY = 2.5
 PASSES = 5
 CENTRED = 1e-5  # of the radius; what is left acts on diameters by its square
-LEAST_SIGMA = 1e-7  # of the radius: exact radii must not divide by zero
+LEAST_SIGMA = 1e-6  # of the radius: exact radii must not divide by zero
 LEAST_PROJECTION = 0.2
 LEAST_RADIUS = 0.1
 FEWEST_PAIRS = 20
+FEWEST_PLAIN, LEAST_PLAIN = 12, 0.2  # points, and share of points, outside features
 EXCESS_NOISE = 1.4  # of the stated; the median of 400 differences is good to 5 %, less if correlated
 
 
@@ -47,7 +49,7 @@ class Polar:
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """Lengths in units of `scale` [m]. The smooth series is `fit`; points in `features_mask` (n,) stand off it.
+    """Lengths in units of `scale` [m]. The smooth series is `fit` on `basis` (n, p); points in `features_mask` (n,) stand off it.
 
     `used` (n,): points that count. `excess_noise`: how much more noise there is than stated, 1 if not clearly more.
     """
@@ -55,6 +57,7 @@ class Wall:
     scale: float
     centre: Array
     polar: Polar
+    basis: Array
     fit: HarmonicFit
     noise: Noise
     features_mask: Mask
@@ -63,7 +66,7 @@ class Wall:
 
     @property
     def residuals(self) -> Array:
-        return self.polar.radius - harmonic_basis(self.polar.angle, self.harmonics) @ self.fit.coefficients
+        return self.polar.radius - self.basis @ self.fit.coefficients
 
     @property
     def harmonics(self) -> int:
@@ -138,6 +141,8 @@ def estimate_wall(ring: RingShape) -> Wall:
         if settled and (better.featured == guess.featured).all() and (better.used == guess.used).all():
             break
         guess = better
+        if not np.hypot(*guess.centre) < 1:
+            raise InputError("The rig axis lies outside the circle through the points; there is no ring round it.")
         wall, better = _pass(stated, guess)
     return replace(wall, centre=better.centre)
 
@@ -145,6 +150,8 @@ def estimate_wall(ring: RingShape) -> Wall:
 def _pass(stated: _Stated, guess: _Guess) -> tuple[Wall, _Guess]:
     """The wall fitted with what `guess` believes of centre and features, and the better guess it leads to."""
     polar, plain = stated.about(guess.centre), guess.used & ~guess.featured
+    if plain.sum() < max(FEWEST_PLAIN, LEAST_PLAIN * guess.used.sum()):
+        plain = guess.used  # no smooth wall to speak of: a series through all, features do the rest
     basis = harmonic_basis(polar.angle, harmonic_count(int(plain.sum())))
     projection = np.maximum(np.abs(polar.cosine - guess.slope * polar.sine), LEAST_PROJECTION)
     noise = Noise(
@@ -159,7 +166,7 @@ def _pass(stated: _Stated, guess: _Guess) -> tuple[Wall, _Guess]:
     excess = guess.excess or _excess(off, plain, noise.correlation)
     off = off * (guess.excess or 1.0) / excess
     used = guess.used & ~lone_points(off, guess.used)
-    wall = Wall(stated.scale, guess.centre, polar, fit, noise, guess.featured, guess.used, excess)
+    wall = Wall(stated.scale, guess.centre, polar, basis, fit, noise, guess.featured, guess.used, excess)
     shift = np.array([fit.coefficients[2], -fit.coefficients[1]])
     slope = harmonic_slope(basis, fit.coefficients) / np.maximum(smooth, LEAST_RADIUS)
     return wall, _Guess(guess.centre + shift, used, stretches(off, used, noise), slope, excess, fit.prior)

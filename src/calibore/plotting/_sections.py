@@ -29,6 +29,9 @@ EXAGGERATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 ROOM, MOST_ROOM = 0.30, 0.70
 """Shares of the nominal radius that 95 % of the exaggerated deviations, and all of them, fill at most."""
 
+HOUR_ROOM = np.array([0.32, 0.20])
+"""Nominal radii beside and above the drawing in which the clock labels stand."""
+
 LABEL_CLOCK = 0.77 * np.pi
 """Where the circles of equal deviation carry their values: about half past four."""
 
@@ -61,14 +64,14 @@ def worst_sections(
     notes = ["Looking along travel; about each ring's fitted centre; by ovality, places a diameter apart if possible"]
     if chosen:
         title += f", deviations enlarged {factor}x" if factor > 1 else ", deviations to scale (1x)"
-    figure = new_figure(4.1 if len(chosen) > 1 else 5.6, title=title, notes=notes)
-    outermost = 1 + factor * max(0.0, float(np.nanmax(deviation, initial=0.0))) / nominal_radius
+    figure = new_figure(3.9 if len(chosen) > 1 else 5.6, title=title, notes=notes)
     panels = figure.subplots(1, max(1, len(chosen)), squeeze=False)[0]
     for axes in panels:
-        _ground(axes, nominal_radius, scale, factor, outermost)
+        _ground(axes, nominal_radius, scale, factor)
     for axes, (row, ring) in zip(panels, chosen, strict=False):
         _draw_ring(axes, wall, ring, nominal_radius, factor)
         axes.set_title(_caption(rings, row, unit, _worst_clock(wall, ring, nominal_radius)), size=SMALL_SIZE, color=INK)
+    _label_hours(list(panels))
     _add_legend(figure, nominal_radius, scale)
     return figure
 
@@ -83,26 +86,38 @@ def _chosen(dataset: Any, rings: Mapping[str, Any], wall: Wall, *, count: int, a
     return [(int(row), place[int(rings["station"][row])]) for row in rows]
 
 
-def _ground(axes: Axes, nominal_radius: float, scale: LengthUnit, factor: int, outermost: float) -> None:
-    """Ideal circle, rings of equal deviation with their values, clock labels; all in units of the nominal radius."""
+def _ground(axes: Axes, nominal_radius: float, scale: LengthUnit, factor: int) -> None:
+    """Ideal circle, centre, and circles of equal deviation with their values; all in units of the nominal radius."""
     axes.set_axis_off()
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(*_page(turn, np.ones(361)), color=INK, linewidth=0.8, linestyle=(0, (4, 3)))
     step = _grid_step(factor, nominal_radius / scale.metres)
     for value in (-step, step):
         radius = 1 + factor * value * scale.metres / nominal_radius
-        outermost = max(outermost, radius)
         axes.plot(*_page(turn, np.full(361, radius)), color="#b8b8b8", linewidth=0.6)
-        x, y = _page(LABEL_CLOCK, radius + np.sign(value) * 0.02)
-        side: dict[str, Any] = {"ha": "left", "va": "top"} if value > 0 else {"ha": "right", "va": "bottom"}
+        x, y = _page(LABEL_CLOCK, radius + (0.02 if value > 0 else -0.14))
+        side: dict[str, Any] = {"ha": "left", "va": "top"} if value > 0 else {"ha": "center", "va": "center"}
         text = f"{value:+g} {scale.symbol}"
         axes.text(float(x), float(y), text, size=SMALL_SIZE - 1, color=FAINT_INK, **side)
-    edge = outermost + 0.30
-    axes.set(aspect="equal", xlim=(-edge, edge), ylim=(-edge, edge))
-    for hour in (12, 3, 6, 9):
-        x, y = _page(hour * np.pi / 6, outermost + 0.18)
-        axes.text(float(x), float(y), f"{hour} h", size=TEXT_SIZE, color=INK, ha="center", va="center")
     axes.plot([-0.04, 0.04, np.nan, 0, 0], [0, 0, np.nan, -0.04, 0.04], color=FAINT_INK, linewidth=0.8)
+
+
+def _label_hours(panels: list[Axes]) -> None:
+    """Clock labels just outside everything drawn; the same limits, hence the same scale, in all panels."""
+    lowest = np.min([axes.dataLim.min for axes in panels], axis=0)
+    highest = np.max([axes.dataLim.max for axes in panels], axis=0)
+    (left, bottom), (right, top) = lowest - HOUR_ROOM, highest + HOUR_ROOM
+    places = {
+        "12 h": (0, top, "top"),
+        "3 h": (right, 0, "center"),
+        "6 h": (0, bottom, "bottom"),
+        "9 h": (left, 0, "center"),
+    }
+    for axes in panels:
+        axes.set(aspect="equal", xlim=(left, right), ylim=(bottom, top), anchor="S")
+        for name, (x, y, vertical) in places.items():
+            side = {right: "right", left: "left"}.get(x, "center")
+            axes.text(x, y, name, size=TEXT_SIZE, color=INK, ha=side, va=vertical)
 
 
 def _grid_step(factor: int, radius: float) -> float:

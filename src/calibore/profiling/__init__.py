@@ -5,12 +5,14 @@
 `prepare`        reads and checks what a scan folder says before its first image is read
 """
 
-from calibore.profiling._profile import Sealed, measure_scan, prepare, profile_scan
+from calibore.profiling._profile import Finisher, Progress, Sealed, measure_scan, prepare, profile_scan
 from calibore.profiling._station import Job, StationResult, measure_station
 from calibore.profiling._summary import Tally
 
 __all__ = [
+    "Finisher",
     "Job",
+    "Progress",
     "Sealed",
     "StationResult",
     "Tally",

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.errors import ImageError, InputError
+from calibore.errors import InputError
 from calibore.images import ImageSource, StationImages
 from calibore.profiling._pipeline import in_order
 from calibore.profiling._placement import Placement, Placer, open_source
-from calibore.profiling._station import Job, StationResult, measure_station
+from calibore.profiling._station import Job, StationRefused, StationResult, measure_station
 from calibore.profiling._summary import Tally, summarise
 from calibore.profiling._take import search_region
 from calibore.rigs import Rig, read_rig
@@ -76,15 +76,15 @@ def measure_scan(
     """Every usable station in order; what could not be used is counted and named in `tally`."""
     reading = _Reading(source, place)
 
-    def work(item: tuple[StationImages, Placement]) -> StationResult | ImageError:
+    def work(item: tuple[StationImages, Placement]) -> StationResult | StationRefused:
         try:
             return measure_station(*item, job)
-        except ImageError as error:
-            return error
+        except StationRefused as refused:
+            return refused
 
     for result in in_order(reading, work, workers=workers):
-        if isinstance(result, ImageError):
-            tally.refuse_station(str(result))
+        if isinstance(result, StationRefused):
+            tally.refuse(result.images)
         else:
             tally.add(result)
             yield result
@@ -102,7 +102,7 @@ def profile_scan(
 ) -> dict[str, Any]:
     """Measure the scan folder `scan`, write the result folder `out` (formats.md, section 4), return its summary.
 
-    `summary["refused"]` names every image that could not be used. Raises InputError where nothing can be measured,
+    `summary["skipped"]` names the images that could not be used. Raises InputError where nothing can be measured,
     OutputError where the result cannot be written; `out` then is as it was.
     """
     spec = read_scan(Path(scan))

@@ -1,6 +1,6 @@
 """One station from its images to its profile, its points and its row of ring quantities."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 
@@ -35,8 +35,24 @@ class Job:
 
 
 @dataclass(frozen=True)
+class RefusedImage:
+    """An image that could not be used: `name` as a person would look for it, and why."""
+
+    name: str
+    reason: str
+
+
+class StationRefused(ImageError):
+    """None of a station's images can be used."""
+
+    def __init__(self, images: Sequence[RefusedImage]) -> None:
+        super().__init__("; ".join(f"{image.name}: {image.reason}" for image in images))
+        self.images = tuple(images)
+
+
+@dataclass(frozen=True)
 class StationResult:
-    """What one station gave; `refused` sentences of the images that could not be used."""
+    """What one station gave; `refused` images could not be used; `first_image` reads the first used one again."""
 
     profile: RingProfile
     points: RingPoints
@@ -45,24 +61,24 @@ class StationResult:
     take_correlation: float
     scale: float
     takes: tuple[TakePoints, ...]
-    refused: tuple[str, ...]
+    refused: tuple[RefusedImage, ...]
     first_image: Callable[[], Pixels]
 
 
 def measure_station(images: StationImages, placement: Placement, job: Job) -> StationResult:
-    """Everything of one station; raises ImageError, naming every image, where none of its images can be used."""
+    """Everything of one station; raises StationRefused where none of its images can be used."""
     takes: list[TakePoints] = []
     numbers: list[int] = []
-    refused: list[str] = []
+    refused: list[RefusedImage] = []
     for number in images.takes:
         try:
             picture = images.read(number)
             takes.append(measure_take(picture, job.rig, job.search, channel=job.channel, estimator=job.estimator))
             numbers.append(number)
         except ImageError as error:
-            refused.append(f"station {images.station}, take {number}: {str(error).rstrip('.')}.")
+            refused.append(RefusedImage(f"station {images.station}, take {number}", str(error)))
     if not takes:
-        raise ImageError(" ".join(refused))
+        raise StationRefused(refused)
     rings = [grid_ring(take, job.covariance, stripe=job.rig.stripe) for take in takes]
     ring, shared = combine_takes(rings)
     shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)
@@ -70,7 +86,7 @@ def measure_station(images: StationImages, placement: Placement, job: Job) -> St
     return StationResult(
         _profile(images.station, placement, ring, quantities),
         _points(takes, numbers, placement, job.covariance),
-        ring_row(quantities, axial=placement.axial, takes=len(takes)),
+        ring_row(quantities, takes=len(takes)),
         quantities,
         shared,
         float(np.mean([take.stripe.scale for take in takes])),
@@ -96,6 +112,7 @@ def _profile(station: int, placement: Placement, ring: Ring, quantities: RingQua
         u_centre_y=quantities.centre_y.u,
         time_s=placement.time,
         roll=placement.roll,
+        correlation=ring.correlation,
     )
 
 
@@ -127,10 +144,9 @@ def _points(takes: list[TakePoints], numbers: list[int], placement: Placement, c
     return RingPoints(**joined)  # pyright: ignore[reportArgumentType]
 
 
-def ring_row(quantities: RingQuantities, *, axial: float, takes: int) -> dict[str, float | int | str]:
+def ring_row(quantities: RingQuantities, *, takes: int) -> dict[str, float | int | str]:
     """The row of rings.csv: every quantity in SI (percent where it is a percentage), each followed by its u."""
     row: dict[str, float | int | str] = {
-        "axial_m": axial,
         "takes": takes,
         "points": quantities.points,
         "fraction": quantities.fraction_measured,

@@ -10,7 +10,7 @@ import numpy as np
 
 from calibore import __version__
 from calibore.images import Refusal
-from calibore.profiling._station import Job, StationResult
+from calibore.profiling._station import Job, RefusedImage, StationResult
 from calibore.scans import ScanSpec
 from calibore.status import MEANING, Status
 
@@ -19,6 +19,16 @@ WORST = 10
 NAMED = 20
 """Refused images named one by one; a survey may lose thousands to one cause."""
 LOW_FRACTION = 0.5
+REGULAR = 0.8
+"""Share of equal steps from which a numbering counts as regular, so that gaps in it are worth a word."""
+FEW_SHARE = 0.5
+"""Fewer takes than elsewhere are worth a word while they are the exception."""
+PARAMETER_UNITS = {
+    "laser.baseline": "m",
+    "camera.k": "px",
+    "camera.principal_point_u": "px",
+    "camera.principal_point_v": "px",
+}
 COMPARED = ("diameter_mean_m", "ovality_f1216_max_percent", "ovality_f1216_min_percent", "deflection_percent")
 
 
@@ -29,7 +39,7 @@ class Tally:
     stations: int = 0
     images: int = 0
     refused_images: int = 0
-    refused: list[str] = field(default_factory=list)
+    skipped: list[dict[str, str]] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     flags: dict[str, int] = field(default_factory=dict)
     statuses: np.ndarray = field(default_factory=lambda: np.zeros(max(Status) + 1, dtype=np.int64))
@@ -37,20 +47,24 @@ class Tally:
     thin: list[int] = field(default_factory=list)
     _scales: float = 0.0
     _shared: list[float] = field(default_factory=lambda: [0.0, 0.0])
-    _diameters: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    _diameters: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    _takes: list[tuple[int, int]] = field(default_factory=list)
 
     def add(self, result: StationResult) -> None:
         self.stations += 1
         self.images += len(result.takes)
-        self._refuse(result.refused)
+        self._takes.append((result.profile.station, len(result.takes) + len(result.refused)))
+        self.refuse(result.refused)
         self.statuses += np.bincount(result.profile.status, minlength=self.statuses.size)
         for flag in result.quantities.flags:
             self.flags[flag] = self.flags.get(flag, 0) + 1
         self._scales += result.scale
         if len(result.takes) > 1:
             self._shared = [self._shared[0] + result.take_correlation, self._shared[1] + 1]
-        if np.isfinite(result.quantities.diameter_mean.value):
-            self._diameters = [self._diameters[0] + result.quantities.diameter_mean.value, self._diameters[1] + 1]
+        diameter = result.quantities.diameter_mean
+        if np.isfinite(diameter.value):
+            count, total, total_u = self._diameters
+            self._diameters = [count + 1, total + diameter.value, total_u + diameter.u]
         if result.quantities.fraction_measured < LOW_FRACTION:
             self.thin = (self.thin + [result.profile.station])[:NAMED]
         self._rank(result)
@@ -60,26 +74,39 @@ class Tally:
         row |= {name: result.row[name] for key in COMPARED for name in (key, f"u_{key}")}
         self.worst = sorted([*self.worst, row], key=_badness, reverse=True)[:WORST]
 
-    def refuse_station(self, why: str) -> None:
-        self._refuse([why])
-
-    def _refuse(self, sentences: Sequence[str]) -> None:
-        self.refused_images += len(sentences)
-        self.refused = (self.refused + list(sentences))[:NAMED]
+    def refuse(self, images: Sequence[RefusedImage]) -> None:
+        """Count images that could not be used, and name the first of them."""
+        self.refused_images += len(images)
+        named = [{"image": image.name, "reason": image.reason} for image in images]
+        self.skipped = (self.skipped + named)[:NAMED]
 
     def leave_out(self, unplaced: Sequence[int], refusals: Sequence[Refusal]) -> None:
         """Stations without a place in the motion table, and frames the source could not hand out."""
         if unplaced:
-            some = ", ".join(map(str, unplaced[:NAMED])) + (", ..." if len(unplaced) > NAMED else "")
+            some = _some(np.array(unplaced))
             self.left_out.append(f"{len(unplaced)} stations are not in the motion table and were left out: {some}.")
         self.left_out += [str(refusal) for refusal in refusals]
         self.refused_images += len(unplaced) + sum(refusal.count for refusal in refusals)
 
     def nothing_left(self, folder: Path) -> str:
         """The sentence for a scan of which nothing could be used."""
-        reasons = [*self.refused, *self.left_out]
-        first = f" The first: {reasons[0]}" if reasons else ""
-        return f"{folder} holds no image that can be measured ({self.refused_images} refused).{first}"
+        reasons = [f"{one['image']}: {one['reason']}" for one in self.skipped] + self.left_out
+        first = f" The first: {reasons[0].rstrip('.')}." if reasons else ""
+        return f"{folder} holds no image that can be measured; {self.refused_images} were refused.{first}"
+
+    def gaps(self) -> list[str]:
+        """Stations and takes that the numbering of the others lets one expect."""
+        found = []
+        stations = np.array([station for station, _ in self._takes])
+        steps = np.diff(stations)
+        if steps.size > 2 and (steps == (step := int(np.median(steps)))).mean() >= REGULAR:
+            missing = np.setdiff1d(np.arange(stations[0], stations[-1], step), stations)
+            found += [f"{missing.size} stations seem to be missing: {_some(missing)}."] if missing.size else []
+        most = max((takes for _, takes in self._takes), default=0)
+        fewer = np.array([station for station, takes in self._takes if takes < most])
+        if fewer.size and fewer.size < FEW_SHARE * len(self._takes):
+            found.append(f"{fewer.size} stations have fewer than the usual {most} takes: {_some(fewer)}.")
+        return found
 
     @property
     def scale(self) -> float:
@@ -90,8 +117,14 @@ class Tally:
         return self._shared[0] / self._shared[1] if self._shared[1] else None
 
     @property
-    def diameter_mean(self) -> float:
-        return self._diameters[0] / self._diameters[1] if self._diameters[1] else float("nan")
+    def mean_diameter(self) -> tuple[float, float]:
+        """Mean diameter of the pipe and its standard uncertainty [m]: that of one ring, for most of it is common."""
+        count, total, total_u = self._diameters
+        return (total / count, total_u / count) if count else (float("nan"), float("nan"))
+
+
+def _some(numbers: np.ndarray) -> str:
+    return ", ".join(map(str, numbers[:NAMED].tolist())) + (", ..." if numbers.size > NAMED else "")
 
 
 def _badness(row: dict[str, Any]) -> float:
@@ -102,14 +135,16 @@ def _badness(row: dict[str, Any]) -> float:
 def summarise(spec: ScanSpec, job: Job, tally: Tally) -> dict[str, Any]:
     """The summary of a run as plain data; the same input gives the same summary."""
     measured = int(tally.statuses[: Status.SATURATED + 1].sum())
+    limit = spec.limit_deflection_percent
     return {
         "command": "profile",
         "versions": {"calibore": __version__, "numpy": np.__version__, "python": python_version()},
+        "name": spec.name,
         "nominal_radius_m": spec.nominal_radius,
-        "limit_deflection_percent": spec.limit_deflection_percent,
+        "limits": {} if limit is None else {"deflection_percent": limit},
         "estimator": job.estimator,
         "channel": job.channel,
-        "rig": describe_rig(job),
+        "rig": describe_rig(job, spec),
         "counts": {
             "stations": tally.stations,
             "images": tally.images,
@@ -120,29 +155,35 @@ def summarise(spec: ScanSpec, job: Job, tally: Tally) -> dict[str, Any]:
         "fraction_measured": measured / max(int(tally.statuses.sum()), 1),
         "statuses": {Status(i).name.lower(): int(n) for i, n in enumerate(tally.statuses) if n},
         "flags": dict(sorted(tally.flags.items())),
-        "diameter_mean_m": tally.diameter_mean,
+        "mean_diameter_m": tally.mean_diameter[0],
+        "u_mean_diameter_m": tally.mean_diameter[1],
         "scatter_over_model": tally.scale,
         "take_correlation": tally.take_correlation,
         "worst_stations": tally.worst,
-        "refused": tally.refused,
+        "skipped": tally.skipped,
         "warnings": warnings_of(job, tally),
     }
 
 
-def describe_rig(job: Job) -> dict[str, Any]:
+def describe_rig(job: Job, spec: ScanSpec) -> dict[str, Any]:
     """Configuration, lens and parameters of the rig, with standard uncertainties where they are stated."""
-    rig, camera = job.rig, job.rig.camera
+    rig, camera, lens = job.rig, job.rig.camera, job.rig.camera.lens
+    surface, (u, v) = rig.lasers[0].surface, camera.principal_point
     stated = dict(zip(job.covariance.names, job.covariance.u, strict=True))
-    values = {f"laser.{n}": getattr(rig.lasers[0].surface, n) for n in rig.lasers[0].surface.parameter_names}
-    lens, (u, v) = camera.lens, camera.principal_point
+    values = {f"laser.{name}": getattr(surface, name) for name in surface.parameter_names}
     values |= {"camera.k": lens.k, "camera.c1": lens.c1, "camera.c2": lens.c2, "camera.aspect": camera.aspect}
     values |= {f"camera.polynomial_{2 * i + 3}": p for i, p in enumerate(lens.polynomial)}
     values |= {"camera.principal_point_u": u, "camera.principal_point_v": v}
+    parameters = [
+        {"name": n, "value": float(x), "u": float(stated[n]) if n in stated else None, "unit": PARAMETER_UNITS.get(n, "")}
+        for n, x in values.items()
+    ]
     return {
         "configuration": rig.configuration,
-        "lens": camera.lens.law,
+        "file": spec.rig_path.name if spec.rig_path else None,
+        "lens": lens.law,
         "image": [camera.width, camera.height],
-        "parameters": {name: {"value": float(v), "u": float(stated.get(name, 0.0))} for name, v in values.items()},
+        "parameters": parameters,
         "default_uncertainty": rig.default_uncertainty,
         "stripe_px": rig.stripe,
         "degrees_of_freedom": rig.degrees_of_freedom,
@@ -158,9 +199,10 @@ def warnings_of(job: Job, tally: Tally) -> list[str]:
             "it does not mention (lens, principal point, tilt) is taken as exactly known."
         )
     if tally.refused_images:
-        more = f"; {NAMED} of them are named" if tally.refused_images > NAMED else ""
-        found.append(f"{tally.refused_images} images or stations could not be used{more}.")
-    found += [*tally.refused, *tally.left_out]
+        named = " The first:" if tally.refused_images > NAMED else ""
+        names = "; ".join(f"{one['image']} ({one['reason'].rstrip('.')})" for one in tally.skipped)
+        found.append(f"{tally.refused_images} images could not be used.{named} {names}".rstrip() + ".")
+    found += [*tally.left_out, *tally.gaps()]
     for station in tally.thin:
         found.append(f"Station {station}: less than {LOW_FRACTION:.0%} of the ring was measured.")
     for status in (Status.MULTIPLE, Status.NOT_LASER, Status.OFF_RING):

@@ -149,7 +149,9 @@ def place(rings: Rings, row: int | None, unit: str, *, clock: float = np.nan) ->
     along = axial_unit(unit, span(rings))
     axial = numbers(rings, "axial_m")[row] / along.metres
     hour = f", {clock_text(clock)}" if np.isfinite(clock) else ""
-    return f"station {rings['station'][row]}, axial {axial:.5g} {along.symbol}{hour}".replace(" h", "\N{NO-BREAK SPACE}h")
+    return f"station {rings['station'][row]}, axial {axial:.5g} {along.symbol}{hour}".replace(
+        " h", "\N{NO-BREAK SPACE}h"
+    )
 
 
 def span(rings: Rings) -> float:

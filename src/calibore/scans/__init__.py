@@ -4,7 +4,7 @@
 `open_profile`, `open_points`, `read_rings` open OUT again; `export` writes it for other programs.
 """
 
-from calibore.scans._exports import export
+from calibore.scans._exports import check_format, default_export_name, export
 from calibore.scans._results import open_points, open_profile, read_rings
 from calibore.scans._ring import RingPoints, RingProfile
 from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables
@@ -19,6 +19,8 @@ __all__ = [
     "RingProfile",
     "ScanSpec",
     "TactileTables",
+    "check_format",
+    "default_export_name",
     "export",
     "open_points",
     "open_profile",

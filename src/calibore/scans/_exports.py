@@ -13,7 +13,7 @@ from calibore.scans import _point_clouds
 from calibore.scans._layout import POINTS_VARIABLES, STATIONS_PER_CHUNK
 from calibore.scans._lock import locked
 from calibore.scans._results import open_group
-from calibore.scans._staging import told_as_output_error
+from calibore.scans._staging import EXPORT_NAMES, told_as_output_error
 from calibore.units import parse_quantity
 
 
@@ -27,8 +27,7 @@ def export(out: Path | str, format: str, destination: Path | str, *, length_unit
     which only `text3` knows. Raises InputError (no such format, no result, optional package missing), OutputError.
     """
     out, destination = Path(out), Path(os.path.realpath(destination))
-    if format not in _WRITERS:
-        raise InputError(f'Export format "{format}" is not known; allowed: {", ".join(sorted(_WRITERS))}.')
+    check_format(format)
     if length_unit != "m" and format != "text3":
         raise InputError(
             f'Export format "{format}" is always in metres, got length_unit "{length_unit}"; leave it out.'
@@ -41,6 +40,18 @@ def export(out: Path | str, format: str, destination: Path | str, *, length_unit
         with locked(destination):
             _write_aside(destination, lambda partial: write(group, partial, scale))
     return destination
+
+
+def check_format(format: str) -> None:
+    """Raises InputError, naming all of them, unless `format` is one that `export` knows."""
+    if format not in _WRITERS:
+        raise InputError(f'Export format "{format}" is not known; allowed: {", ".join(sorted(_WRITERS))}.')
+
+
+def default_export_name(format: str) -> str:
+    """The file name an export has inside a result folder, e.g. "points.ply"; raises InputError as `check_format`."""
+    check_format(format)
+    return EXPORT_NAMES[format]
 
 
 def _write_aside(destination: Path, write: Callable[[Path], None]) -> None:

@@ -60,6 +60,13 @@ PROFILE_VARIABLES = (
         "shared uncertainty in low rank: cov(radius) = diag(u_independent^2) + sum over modes of m m^T",
         more=_ON_STATIONS,
     ),
+    Variable(
+        "noise_correlation",
+        ("station", "lag"),
+        "",
+        "correlation of the independent part with that of the clock position 1, 2, ... steps away",
+        more=_ON_STATIONS,
+    ),
     _grid("status", "", "why a point is missing or suspect", "uint8", **STATUS_FLAGS),
     _per_station("centre_x", "m", "fitted pipe centre in the rig frame, to the right"),
     _per_station("centre_y", "m", "fitted pipe centre in the rig frame, downwards"),

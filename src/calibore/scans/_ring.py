@@ -1,6 +1,6 @@
 """One station of a scan: its profile on the clock grid and the ungridded points it was made from."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from math import nan
 
 import numpy as np
@@ -16,7 +16,7 @@ class RingProfile:
     """R(clock) of one station, n clock positions, m common modes; SI units.
 
     cov(radius) = diag(u_independent^2) + common_mode^T common_mode. Where nothing was measured `radius` is NaN and
-    `status` says why. `centre_x`, `centre_y` are the fitted pipe centre in the rig frame. Raises ValueError when shapes
+    `status` says why. `correlation` (k,) is that of the independent part at lags of 1 .. k clock steps. `centre_x`, `centre_y` are the fitted pipe centre in the rig frame. Raises ValueError when shapes
     disagree, or when a status and its radius do.
     """
 
@@ -34,9 +34,10 @@ class RingProfile:
     u_centre_y: float = nan
     time_s: float = nan
     roll: float = nan
+    correlation: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
-        for name in ("clock", "radius", "axial_position", "u_independent", "common_mode"):
+        for name in ("clock", "radius", "axial_position", "u_independent", "common_mode", "correlation"):
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
         object.__setattr__(self, "status", _statuses(self.status))
         n = self.clock.shape

@@ -19,7 +19,15 @@ from calibore.errors import OutputError
 
 RESULT_FORMAT = "calibore-result/1"
 SUMMARY = "summary.json"
-EXPORT_NAMES = ("profile.txt", "points.csv", "profile.nc", "points.ply", "points.las", "points.laz")
+EXPORT_NAMES = {
+    "text3": "profile.txt",
+    "csv": "points.csv",
+    "netcdf": "profile.nc",
+    "ply": "points.ply",
+    "las": "points.las",
+    "laz": "points.laz",
+}
+"""Names that exports have inside a result folder, by format."""
 _LEFT_BY_FILE_BROWSERS = (".DS_Store", "Thumbs.db", "desktop.ini")
 _ZARR_FILE = re.compile(r"(\w+/)?zarr\.json|\w+/c(/\d+)*")
 _DISK_FULL = (errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC))
@@ -99,7 +107,7 @@ def _files(folder: Path) -> Iterator[str]:
 
 def _foreign_files(out: Path, listed: list[str]) -> Iterator[str]:
     stores = {name for name in listed if name.endswith(".zarr")}
-    known = {*listed, SUMMARY, *EXPORT_NAMES}
+    known = {*listed, SUMMARY, *EXPORT_NAMES.values()}
     for path in _files(out):
         top, _, rest = path.partition("/")
         written = bool(_ZARR_FILE.fullmatch(rest)) if top in stores else path in known

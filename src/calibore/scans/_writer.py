@@ -96,7 +96,7 @@ class ResultWriter:
     def add(self, profile: RingProfile, points: RingPoints, row: Row) -> None:
         """Append one station: its profile, its points and its row of rings.csv (the same keys in every row).
 
-        `station` and `axial` are put in front of `row` where it lacks them. Raises ValueError when stations do not
+        `station` and `axial_m` are put in front of `row` where it lacks them. Raises ValueError when stations do not
         ascend or clock, modes or keys differ from the first station's, OutputError when the disk is full.
         """
         with told_as_output_error(self._out):
@@ -105,7 +105,7 @@ class ResultWriter:
             if self._profile is None or self._points is None or self._rings is None:
                 raise RuntimeError("The result is sealed; add every station before seal() or finish().")
             self._check(profile)
-            self._rings.add({"station": profile.station, "axial": profile.axial, **row})
+            self._rings.add({"station": profile.station, "axial_m": profile.axial, **row})
             self._profile.append(_profile_block(profile))
             self._points.append(_points_block(points, profile.station))
             self._last_station = profile.station
@@ -147,7 +147,7 @@ class ResultWriter:
             PROFILE_VARIABLES,
             growing="station",
             rows=STATIONS_PER_CHUNK,
-            sizes={"clock": profile.clock.size, "mode": len(profile.common_mode)},
+            sizes={"clock": profile.clock.size, "mode": len(profile.common_mode), "lag": profile.correlation.size},
             attributes={"format": PROFILE_FORMAT, **about, **radius},
         )
         self._profile.fill("clock", profile.clock)
@@ -169,6 +169,9 @@ class ResultWriter:
             )
         if not np.array_equal(profile.clock, first.clock):
             raise ValueError(f"Station {profile.station} has another clock grid than station {first.station}.")
+        if profile.correlation.size != first.correlation.size:
+            had = f"{profile.correlation.size} lags, station {first.station} has {first.correlation.size}"
+            raise ValueError(f"Station {profile.station} has a noise correlation of {had}; give all the same.")
         if len(profile.common_mode) != len(first.common_mode):
             had = f"{len(profile.common_mode)} common modes, station {first.station} has {len(first.common_mode)}"
             raise ValueError(f"Station {profile.station} has {had}; every station needs the same modes.")
@@ -222,6 +225,7 @@ def _profile_block(profile: RingProfile) -> dict[str, Any]:
     for name in ("radius", "axial_position", "u_independent", "u_common"):
         block[name] = np.where(missing, np.nan, getattr(profile, name))[np.newaxis]
     block["status"] = profile.status[np.newaxis]
+    block["noise_correlation"] = profile.correlation[np.newaxis]
     for name in ("station", "axial", "centre_x", "centre_y", "u_centre_x", "u_centre_y", "time_s", "roll"):
         block[name] = np.array([getattr(profile, name)])
     return block

@@ -1,6 +1,7 @@
 """Rigs, walls and poses by chance, for studies over many of them."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -71,12 +72,9 @@ def random_pose(rng: np.random.Generator, rig: Rig, nominal_radius: float) -> Po
     """
     roll, pitch, yaw = rng.uniform(-1, 1, 3) * (0.3, STEEPEST / np.sqrt(2), STEEPEST / np.sqrt(2))
     turned_only = Pose.from_roll_pitch_yaw(roll, pitch, yaw)
-    surface = rig.lasers[0].surface
-    if not isinstance(surface, Plane):
-        raise InputError(f"Only laser planes can be simulated, got a {type(surface).__name__}; use a Plane.")
     offset, towards = OFF_CENTRE * nominal_radius * np.sqrt(rng.uniform()), rng.uniform(0, 2 * np.pi)
     target = np.array([offset * np.cos(towards), offset * np.sin(towards), rng.uniform(-0.5, 0.5) * nominal_radius])
-    return Pose(turned_only.rotation, target - turned_only.apply(np.array([0.0, 0.0, surface.baseline])))
+    return Pose(turned_only.rotation, target - turned_only.apply(np.array([0.0, 0.0, _plane_of(rig).baseline])))
 
 
 def draw_rig(stated: Rig, rng: np.random.Generator) -> Rig:
@@ -89,12 +87,20 @@ def draw_rig(stated: Rig, rng: np.random.Generator) -> Rig:
     changes = dict(zip(stated.covariance.names, shift.tolist(), strict=True))
     camera, laser = stated.camera, stated.lasers[0]
     lens = replace(camera.lens, **_moved(camera.lens, changes, "camera", ("k", "c1", "c2")))
-    centre = tuple(x + changes.get(f"camera.principal_point_{a}", 0.0) for x, a in zip(camera.principal_point, "uv"))
+    u, v = camera.principal_point
+    centre = u + changes.get("camera.principal_point_u", 0.0), v + changes.get("camera.principal_point_v", 0.0)
     camera = replace(camera, lens=lens, principal_point=centre, **_moved(camera, changes, "camera", ("aspect",)))
-    surface = laser.surface
+    surface = _plane_of(stated)
     surface = replace(surface, **_moved(surface, changes, "laser", surface.parameter_names))
     return replace(stated, camera=camera, lasers=(replace(laser, surface=surface), *stated.lasers[1:]))
 
 
-def _moved(part: object, changes: dict[str, float], table: str, names: tuple[str, ...]) -> dict[str, float]:
+def _plane_of(rig: Rig) -> Plane:
+    surface = rig.lasers[0].surface
+    if not isinstance(surface, Plane):
+        raise InputError(f"Only laser planes can be simulated, got a {type(surface).__name__}; use a Plane.")
+    return surface
+
+
+def _moved(part: object, changes: dict[str, float], table: str, names: tuple[str, ...]) -> dict[str, Any]:
     return {name: getattr(part, name) + changes[f"{table}.{name}"] for name in names if f"{table}.{name}" in changes}

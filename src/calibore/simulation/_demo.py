@@ -29,9 +29,10 @@ def demo_scan(folder: Path | str, *, seed: int = 1, progress: Progress | None = 
 
 
 def demo_survey(*, seed: int = 1) -> Survey:
-    """Ten stations 3 in apart in a 12 in pipe that grows oval to 2 %, with a dent, a lateral and a rail on the invert;
-    the rig a little off-centre, rolled and tilted; a strut's shadow at one station, two takes at two. The true rig
-    differs from the stated one by a draw from the stated uncertainty, as in life.
+    """Ten stations 3 in apart in a 12 in pipe that grows oval to 2 %, with a dent, a lateral and a rail on the invert
+    that ends before station 3 and hides the wall behind it; the rig a little off-centre, rolled and tilted; a strut's
+    shadow at one station, two takes at two. The true rig differs from the stated one by a draw from the stated
+    uncertainty, as in life.
     """
     stated = demo_rig()
     shadowed = replace(LineLight(), shadows=((np.radians(66.0), np.radians(14.0)),))
@@ -75,6 +76,6 @@ def demo_wall(*, seed: int = 1) -> PipeWall:
             Dent(0.4 * INCH, np.radians(285.0), 4 * STEP, clock_width=np.radians(9.0), length=1.6 * INCH),
             LateralOpening(2.2 * INCH, 0.7 * INCH, np.radians(140.0), 8 * STEP, edge=0.9 * INCH),
             Roughness(0.0015 * INCH, 0.12 * INCH, seed),
-            Rail(0.5 * INCH, 1.0 * INCH, edge=0.04 * INCH),
+            Rail(0.5 * INCH, 1.0 * INCH, axial=(-np.inf, 2.75 * STEP), edge=0.04 * INCH),
         ),
     )

@@ -3,6 +3,7 @@
 import json
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,17 +26,23 @@ def write_png(path: Path, image: NDArray[np.uint8 | np.uint16]) -> None:
     codec.pix_fmt = "rgb24" if image.dtype == np.uint8 else "rgb48be"
     codec.time_base = Fraction(1)
     codec.options = {"compression_level": "1", "pred": "none", "threads": "1"}  # noise does not compress further
-    frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), format=codec.pix_fmt)
+    pixels: Any = np.ascontiguousarray(image)
+    frame = av.VideoFrame.from_ndarray(pixels, format=codec.pix_fmt)
     path.write_bytes(b"".join(bytes(packet) for packet in [*codec.encode(frame), *codec.encode(None)]))
 
 
+def _metres(length: float) -> str:
+    """Twelve digits: no length is known better, and 6 in stays 0.1524 m."""
+    return f"{length:.12g} m"
+
+
 def scan_toml(*, name: str, nominal_radius: float, pattern: str, origin: float, step: float) -> str:
-    """scan.toml; lengths in m, written so that they are read back exactly."""
+    """scan.toml; lengths in m."""
     return (
         f'format = "calibore-scan/1"\nname = {json.dumps(name)}\nrig = "rig.toml"\n\n'
-        f'[pipe]\nnominal_radius = "{nominal_radius!r} m"\n\n'
+        f'[pipe]\nnominal_radius = "{_metres(nominal_radius)}"\n\n'
         f"[images]\npattern = {json.dumps(pattern)}\n\n"
-        f'[motion]\naxial = {{ origin = "{origin!r} m", step = "{step!r} m" }}\n'
+        f'[motion]\naxial = {{ origin = "{_metres(origin)}", step = "{_metres(step)}" }}\n'
     )
 
 
@@ -51,7 +58,7 @@ def rig_toml(rig: Rig) -> str:
     lines += [f"{key} = {float(value)!r}" for key, value in optional.items() if value]
     if camera.lens.polynomial:
         lines.append(f"polynomial = {[float(p) for p in camera.lens.polynomial]}")
-    lines += ["", "[laser]", f'baseline = "{float(laser.surface.baseline)!r} m"']
+    lines += ["", "[laser]", f'baseline = "{_metres(laser.surface.baseline)}"']
     tilts = {"tilt_x": laser.surface.tilt_x, "tilt_y": laser.surface.tilt_y}
     lines += [f"{key} = {float(value)!r}" for key, value in tilts.items() if value]
     lines.append(f'channel = "{laser.channel or "red"}"')
@@ -68,7 +75,7 @@ def _uncertainty(rig: Rig) -> list[str]:
         named = {name.split(".")[1]: value for name, value in u.items() if name not in CENTRE}
         named |= {"principal_point": u[CENTRE[0]]} if CENTRE[0] in u else {}
         lines += [
-            f'{key} = "{value!r} m"' if f"laser.{key}" in LENGTHS else f"{key} = {value!r}"
+            f'{key} = "{_metres(value)}"' if f"laser.{key}" in LENGTHS else f"{key} = {value!r}"
             for key, value in named.items()
         ]
     lines = ["", "[uncertainty]", *lines] if lines else []

@@ -114,7 +114,7 @@ def in_view(
 
 def _evenly_imaged(rig: Rig, wall: PipeWall, pose: Pose, plane: LaserPlane) -> Array:
     """Pipe clocks (n,) in [0, 2 pi) whose points are at most about `SPACING` apart in the image."""
-    clock = np.arange(COARSE + 1) * (2 * np.pi / COARSE)
+    clock = np.linspace(0.0, 2 * np.pi, COARSE + 1)
     u, v = rig.camera.project(pose.inverse().apply(plane.section(wall, clock)))
     step = np.nan_to_num(np.hypot(np.diff(u), np.diff(v)))
     length = np.concatenate([[0.0], np.cumsum(step + 0.1 * step.mean() + 1e-3)])

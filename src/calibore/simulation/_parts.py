@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from calibore.errors import InputError
 
@@ -19,9 +19,9 @@ Array = NDArray[np.float64]
 CREST = 4.5  # standard deviations: the greatest value of roughness that counts
 
 
-def turned(clock: Array, origin: float) -> Array:
+def turned(clock: NDArray[Any], origin: ArrayLike) -> NDArray[Any]:
     """`clock` - `origin` [rad], wrapped to [-pi, pi)."""
-    return np.mod(clock - origin + np.pi, 2 * np.pi) - np.pi
+    return np.mod(clock - np.asarray(origin) + np.pi, 2 * np.pi) - np.pi
 
 
 def smooth_step(x: Array) -> Array:
@@ -104,11 +104,14 @@ class Dent(WallPart):
 
 @dataclass(frozen=True)
 class Rail(WallPart):
-    """A bar along the pipe: its flat top is `height` [m] above the nominal wall and `width` [m] wide, at `clock`."""
+    """A bar along the pipe from the first to the second `axial` position: its flat top is `height` [m] above the
+    nominal wall and `width` [m] wide, at `clock`.
+    """
 
     height: float
     width: float
     clock: float = np.pi
+    axial: tuple[float, float] = (-np.inf, np.inf)
     edge: float = 0.001
 
     def __post_init__(self) -> None:
@@ -118,8 +121,9 @@ class Rail(WallPart):
         angle = turned(clock, self.clock)
         ahead = np.abs(angle) < 1.0
         top = (nominal_radius - self.height) / np.cos(np.where(ahead, angle, 0.0))
-        inside = (self.width / 2 - top * np.abs(np.sin(angle))) / self.edge
-        return radius - np.where(ahead, np.maximum(radius - top, 0.0) * smooth_step(inside), 0.0)
+        aside = self.width / 2 - top * np.abs(np.sin(angle))
+        inside = np.minimum(aside, np.minimum(axial - self.axial[0], self.axial[1] - axial))
+        return radius - np.where(ahead, np.maximum(radius - top, 0.0) * smooth_step(inside / self.edge), 0.0)
 
     def reach(self, nominal_radius: float) -> float:
         return self.height

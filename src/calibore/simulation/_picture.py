@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 CUT = 4.5  # standard deviations at which an image point ends: 4e-5 of its peak
 WIDEST = 32  # px, half size of the largest image point
 SIZES = 4  # px, image points are drawn in groups of such half sizes
+LINE, SENSOR = LineLight(), Sensor()
 CHANNEL_INDEX = {"red": 0, "green": 1, "blue": 2}
 
 
@@ -24,8 +25,8 @@ def render_ring(
     *,
     pipe_from_rig: Pose,
     rng: np.random.Generator,
-    line: LineLight = LineLight(),
-    sensor: Sensor = Sensor(),
+    line: LineLight = LINE,
+    sensor: Sensor = SENSOR,
     speckle_rng: np.random.Generator | None = None,
     laser: int = 0,
 ) -> NDArray[np.uint8 | np.uint16]:

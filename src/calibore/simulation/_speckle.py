@@ -1,6 +1,7 @@
 """Speckle: a random field of unit mean that multiplies the light."""
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,16 +41,16 @@ def speckle_field(
 
 def _correlated(shape: tuple[int, int], grain: float, rng: np.random.Generator) -> NDArray[np.float32]:
     """Standard normal noise (h, w) with the correlation exp(-(distance / grain)^2)."""
-    from scipy import fft
+    import scipy.fft
 
-    padded = tuple(fft.next_fast_len(n, real=True) for n in shape)
+    fft: Any = scipy.fft  # single precision, unlike numpy.fft; its functions are typed as dispatchers
+    padded: tuple[int, int] = fft.next_fast_len(shape[0], real=True), fft.next_fast_len(shape[1], real=True)
     white = fft.rfft2(rng.standard_normal(padded, dtype=np.float32))
-    coloured = fft.irfft2(white * _amplitude(padded, grain), s=padded)
-    return coloured[: shape[0], : shape[1]]
+    return fft.irfft2(white * _amplitude(padded, grain), s=padded)[: shape[0], : shape[1]]
 
 
 @lru_cache(maxsize=8)
-def _amplitude(shape: tuple[int, ...], grain: float) -> NDArray[np.float32]:
+def _amplitude(shape: tuple[int, int], grain: float) -> NDArray[np.float32]:
     """Spectral amplitude of that correlation on a torus, exact at pixel distances; it is a product of rows, columns."""
     factors = []
     for n in shape:

@@ -5,7 +5,7 @@ import shutil
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -52,8 +52,8 @@ class Survey:
     origin: float
     step: float
     pose: Pose
-    line: LineLight = LineLight()
-    sensor: Sensor = Sensor()
+    line: LineLight = field(default_factory=LineLight)
+    sensor: Sensor = field(default_factory=Sensor)
     stated: Rig | None = None
     prefix: str = "pipe"
 

@@ -48,16 +48,17 @@ def true_ring(
     plane, rig_from_pipe = LaserPlane.of(rig, pipe_from_rig, laser=laser), pipe_from_rig.inverse()
     step = 2 * np.pi / clocks
     point, target = _crossings(lit.clock, step)
-    low = lit.pipe_clock[point]
-    high = low + np.diff(lit.pipe_clock, append=lit.pipe_clock[0] + 2 * np.pi)[point]
+    following = np.append(lit.pipe_clock[1:], lit.pipe_clock[0] + 2 * np.pi)
+    low, high = lit.pipe_clock[point], following[point]
     rising = turned(lit.clock[point], target * step) < 0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         points = rig_from_pipe.apply(plane.section(wall, middle))
         before = (turned(clock_of(points[:, 0], points[:, 1]), target * step) < 0) == rising
         low, high = np.where(before, middle, low), np.where(before, high, middle)
-    nearest = _nearest(target % clocks, np.hypot(points[:, 0], points[:, 1]), clocks)
-    return _ring(lit, rig, wall, plane, pipe_from_rig, line, middle[nearest], (target % clocks)[nearest], clocks)
+    points = rig_from_pipe.apply(plane.section(wall, low))
+    nearest = _nearest(target % clocks, np.hypot(points[:, 0], points[:, 1]))
+    return _ring(lit, rig, wall, plane, pipe_from_rig, line, low[nearest], (target % clocks)[nearest], clocks)
 
 
 def _crossings(clock: Array, step: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -70,7 +71,7 @@ def _crossings(clock: Array, step: float) -> tuple[NDArray[np.intp], NDArray[np.
     return point, np.minimum(cell[point], cell[point + 1]) + nth
 
 
-def _nearest(target: NDArray[np.intp], radius: Array, clocks: int) -> NDArray[np.intp]:
+def _nearest(target: NDArray[np.intp], radius: Array) -> NDArray[np.intp]:
     """Index of the crossing with the least radius for every target that has one."""
     order = np.lexsort((radius, target))
     return order[np.searchsorted(target[order], np.unique(target[order]))]
@@ -87,7 +88,7 @@ def _ring(
     target: NDArray[np.intp],
     clocks: int,
 ) -> TrueRing:
-    clock = np.arange(clocks) * (2 * np.pi / clocks)
+    clock = np.arange(clocks, dtype=float) * (2 * np.pi / clocks)
     pipe_points = plane.section(wall, pipe_clock)
     points, (normal, _) = pose.inverse().apply(pipe_points), wall_frame(wall, pipe_points, pipe_clock)
     candidates = inside_image(*rig.camera.project(points), rig) & line.lights(clock[target])
@@ -121,7 +122,7 @@ def true_quantities(lit: LitLine, *, nominal_radius: float) -> dict[str, float]:
         "area": float(metrics.area(radii)),
         "perimeter": float(metrics.perimeter(radii)),
         "diameter_equivalent_area": float(metrics.diameter_equivalent_area(metrics.area(radii))),
-        "ovality_harmonic": float(metrics.ovality_harmonic(radii)),
+        "ovality_harmonic": float(metrics.ovality_harmonic(radii[:half] + radii[half:])),
         **_extremes(radii[:half] + radii[half:], seen[:half] & seen[half:], nominal_radius),
     }
 
