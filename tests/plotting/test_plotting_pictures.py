@@ -34,7 +34,6 @@ PIPES = {
     "half missing": lambda: _pipe(np.arange(40) * 0.02, missing=0.45),
     "nothing measured": _nothing_measured,
     "backwards, no centre": lambda: _pipe(UNEQUAL[::-1]).drop_vars(["centre_x", "centre_y"]),
-    "no motion": lambda: _pipe(np.zeros(5)),
     "unknown positions": lambda: _pipe(UNEQUAL).assign_coords(axial=("station", [0, 1, np.nan, 2, 3, 4])),
     "a kilometre, sixteen clock positions": lambda: _pipe(np.arange(12) * 80.0, clock_count=16),
 }

@@ -1,11 +1,12 @@
 """The wall estimated from one ring: its centre, its shape about that centre, and what is not known of both.
 
-The centre is where the first harmonic of the smooth wall vanishes, features left out: on a complete ring the
-orthogonal-distance circle; with an arc missing that circle would follow the ovality into the gap, this does not.
+The centre is that of the orthogonal-distance circle through the wall without its features, freed of ovality: points off
+a circle with a second harmonic lose their weight (Tukey), so that neither a dent nor an opening pulls the centre, and with
+an arc missing the circle does not follow the ovality into the gap.
 Radii are referred to the centre point by point: an off-centre rig moves them in angle as well as in length.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +21,16 @@ from calibore.metrics._shape import RingShape
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+CENTRE_HARMONICS = 2
+TUKEY = 4.685  # 95 % efficient on normal noise, no weight beyond
+CENTRE_ROUNDS, TUKEY_ROUNDS = 12, 8
+RIDGE = 1e-9  # keeps a few points on a short arc solvable
 START_HARMONICS = 6
 START_ROUNDS = 4
 START_RIDGE = 1e-3  # harmonics that a missing arc leaves open stay small
 CAUCHY = 2.5
 PASSES = 5
-CENTRED = 1e-5  # of the radius; what is left acts on diameters by its square
+CENTRED = 1e-7  # of the radius
 LEAST_SIGMA = 1e-6  # of the radius: exact radii must not divide by zero
 LEAST_PROJECTION = 0.2
 LEAST_RADIUS = 0.1
@@ -49,9 +54,10 @@ class Polar:
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """Lengths in units of `scale` [m]. The smooth series is `fit` on `basis` (n, p); points in `features_mask` (n,) stand off it.
+    """Lengths in units of `scale` [m]. The smooth series is `fit` on `basis` (n, p).
 
-    `used` (n,): points that count. `excess_noise`: how much more noise there is than stated, 1 if not clearly more.
+    `used` (n,): points that count; those in `features_mask` (n,) stand off the series.
+    `excess_noise`: how much more noise there is than stated, 1 if not clearly more.
     """
 
     scale: float
@@ -130,21 +136,18 @@ class _Guess:
 def estimate_wall(ring: RingShape) -> Wall:
     """The wall of a ring with at least 8 measured points; passes of fitting, centring and finding features."""
     used = ring.measured
-    circle = fit_circle(np.column_stack(xy_of(ring.clock[used], ring.radius[used])))
+    circle = fit_circle(np.column_stack(xy_of(ring.clock[used], ring.radius[used])), robust=True)
     sigma = np.maximum(np.where(used, ring.u_independent, 0.0) / circle.radius, LEAST_SIGMA)
     stated = _Stated(ring, circle.radius, sigma)
-    guess = _robust_start(stated, circle.centre / circle.radius)
+    guess = _robust_start(stated, _robust_centre(stated, circle.centre / circle.radius))
     wall, better = _pass(stated, guess)
     for _ in range(PASSES - 1):
-        moved = np.abs(better.centre - guess.centre).max()
-        settled = guess.prior is not None and moved < CENTRED
-        if settled and (better.featured == guess.featured).all() and (better.used == guess.used).all():
+        same = (better.featured == guess.featured).all() and (better.used == guess.used).all()
+        if guess.prior is not None and same:
             break
         guess = better
-        if not np.hypot(*guess.centre) < 1:
-            raise InputError("The rig axis lies outside the circle through the points; there is no ring round it.")
         wall, better = _pass(stated, guess)
-    return replace(wall, centre=better.centre)
+    return wall
 
 
 def _pass(stated: _Stated, guess: _Guess) -> tuple[Wall, _Guess]:
@@ -167,9 +170,8 @@ def _pass(stated: _Stated, guess: _Guess) -> tuple[Wall, _Guess]:
     off = off * (guess.excess or 1.0) / excess
     used = guess.used & ~lone_points(off, guess.used)
     wall = Wall(stated.scale, guess.centre, polar, basis, fit, noise, guess.featured, guess.used, excess)
-    shift = np.array([fit.coefficients[2], -fit.coefficients[1]])
     slope = harmonic_slope(basis, fit.coefficients) / np.maximum(smooth, LEAST_RADIUS)
-    return wall, _Guess(guess.centre + shift, used, stretches(off, used, noise), slope, excess, fit.prior)
+    return wall, _Guess(guess.centre, used, stretches(off, used, noise), slope, excess, fit.prior)
 
 
 def _robust_start(stated: _Stated, centre: Array) -> _Guess:
@@ -186,7 +188,44 @@ def _robust_start(stated: _Stated, centre: Array) -> _Guess:
         weights = np.where(used, (1 + (off / (CAUCHY * spread)) ** 2) ** -2.0, 0.0)
     off = off / stated.sigma
     featured = stretches(off / max(1.0, _spread(off[used])), used, Noise(stated.sigma, stated.ring.correlation))
-    return _Guess(centre + np.array([coefficients[2], -coefficients[1]]), used, featured, np.zeros(used.size))
+    return _Guess(centre, used, featured, np.zeros(used.size))
+
+
+def _robust_centre(stated: _Stated, centre: Array) -> Array:
+    """Centre (2,) of the circle with a second harmonic on which the points lie that are not features."""
+    used = stated.ring.measured
+    coefficients = np.zeros(2 * CENTRE_HARMONICS + 1)
+    for _ in range(CENTRE_ROUNDS):
+        polar = stated.about(centre)
+        basis, radius = harmonic_basis(polar.angle, CENTRE_HARMONICS)[used], polar.radius[used]
+        if coefficients[0] == 0:
+            coefficients[0] = np.median(radius)
+        coefficients = _tukey_fit(basis, radius, coefficients, sigma=stated.sigma[used])
+        shift = np.array([coefficients[2], -coefficients[1]])
+        centre, coefficients[1:3] = centre + shift, 0.0
+        if np.abs(shift).max() < CENTRED:
+            break
+    if not np.hypot(*centre) < 1:
+        raise InputError("The rig axis lies outside the circle through the points; there is no ring round it.")
+    return centre
+
+
+def _tukey_fit(basis: Array, radius: Array, start: Array, *, sigma: Array) -> Array:
+    """Coefficients (p,) of `basis` (n, p) for `radius` (n,) with Tukey's weights, from `start`."""
+    coefficients = start
+    ridge = RIDGE * radius.size * np.eye(start.size)
+    for _ in range(TUKEY_ROUNDS):
+        off = radius - basis @ coefficients
+        weighted = basis.T * _tukey(off, _spread(off) + sigma)
+        step = np.linalg.solve(weighted @ basis + ridge, weighted @ off)
+        coefficients = coefficients + step
+        if np.abs(step).max() < CENTRED:
+            break
+    return coefficients
+
+
+def _tukey(off: Array, spread: Array) -> Array:
+    return np.clip(1 - (off / (TUKEY * spread)) ** 2, 0.0, None) ** 2
 
 
 def _spread(values: Array) -> float:

@@ -39,7 +39,7 @@ def write_report(
 
     `summary` needs "name" and "nominal_radius_m"; used when present: "command", "estimator", "versions" {name: text},
     "counts" {name: number}, "mean_diameter_m" and "u_mean_diameter_m", "limits" {"ovality_percent",
-    "deflection_percent"}, "rig" {"configuration", "file", "calibration", "default_uncertainty" (bool or sentence),
+    "deflection_percent"}, "rig" {"configuration", "file", "lens", "calibration", "default_uncertainty" (bool or text),
     "parameters" [{"name", "value", "u", "unit"}]} in SI, "warnings" [sentence], "skipped" [{"image", "reason"}].
 
     Raises InputError for a missing key or picture, OutputError when the page cannot be written.
@@ -76,7 +76,13 @@ OPTIONAL: dict[str, Any] = {
 }
 
 
-RIG: dict[str, Any] = {"configuration": None, "file": None, "calibration": None, "default_uncertainty": False}
+RIG: dict[str, Any] = {
+    "configuration": None,
+    "file": None,
+    "lens": None,
+    "calibration": None,
+    "default_uncertainty": False,
+}
 
 
 def _complete(summary: Mapping[str, Any]) -> dict[str, Any]:

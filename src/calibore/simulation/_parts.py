@@ -16,7 +16,8 @@ from calibore.errors import InputError
 
 Array = NDArray[np.float64]
 
-CREST = 4.5  # standard deviations: the greatest value of roughness that counts
+SPLINE_MEAN_SQUARE = 151 / 315  # of a cubic B-spline: its variance in each of two directions
+CREST = 8.0  # standard deviations that no roughness exceeds: knots are clipped there, at 3.8 of their own
 
 
 def turned(clock: NDArray[Any], origin: ArrayLike) -> NDArray[Any]:
@@ -201,7 +202,5 @@ class Roughness(WallPart):
         cells = max(int(2 * np.pi * nominal_radius / self.grain), 8)
         if cells not in self._tables:
             values = np.random.default_rng(self.seed).standard_normal((cells, self.cells_along))
-            weights = np.array([1 / 6, 2 / 3, 1 / 6])  # a cubic B-spline at its knots; less between them
-            spread = np.sqrt(np.sum(weights**2)) ** 2
-            self._tables[cells] = np.clip(values / spread, -CREST, CREST) * self.rms
+            self._tables[cells] = np.clip(values / SPLINE_MEAN_SQUARE, -CREST, CREST) * self.rms
         return self._tables[cells]

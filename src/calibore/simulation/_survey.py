@@ -146,7 +146,9 @@ def _truth_row(survey: Survey, station: Station, line: LineLight, lit: LitLine) 
 
 
 def _check_replaceable(folder: Path) -> None:
-    if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+    if folder.exists() and not folder.is_dir():
+        raise OutputError(f"{folder} is a file, not a folder; choose another name for the scan.")
+    if not folder.exists() or not any(folder.iterdir()):
         return
     try:
         with np.load(folder / TRUTH, allow_pickle=False) as truth:
