@@ -23,6 +23,7 @@ Mask = NDArray[np.bool_]
 
 CENTRE_HARMONICS = 2
 TUKEY = 4.685  # 95 % efficient on normal noise, no weight beyond
+MOSTLY = 0.85  # share of points on the circle below which an ordinary start is not to be trusted
 CENTRE_ROUNDS, TUKEY_ROUNDS = 12, 8
 RIDGE = 1e-9  # keeps a few points on a short arc solvable
 START_HARMONICS = 6
@@ -136,10 +137,14 @@ class _Guess:
 def estimate_wall(ring: RingShape) -> Wall:
     """The wall of a ring with at least 8 measured points; passes of fitting, centring and finding features."""
     used = ring.measured
-    circle = fit_circle(np.column_stack(xy_of(ring.clock[used], ring.radius[used])), robust=True)
+    points = np.column_stack(xy_of(ring.clock[used], ring.radius[used]))
+    circle = fit_circle(points)
     sigma = np.maximum(np.where(used, ring.u_independent, 0.0) / circle.radius, LEAST_SIGMA)
     stated = _Stated(ring, circle.radius, sigma)
-    guess = _robust_start(stated, _robust_centre(stated, circle.centre / circle.radius))
+    centre, kept = _robust_centre(stated, circle.centre / circle.radius)
+    if kept < MOSTLY:
+        centre, _ = _robust_centre(stated, fit_circle(points, robust=True).centre / circle.radius)
+    guess = _robust_start(stated, centre)
     wall, better = _pass(stated, guess)
     for _ in range(PASSES - 1):
         same = (better.featured == guess.featured).all() and (better.used == guess.used).all()
@@ -191,37 +196,40 @@ def _robust_start(stated: _Stated, centre: Array) -> _Guess:
     return _Guess(centre, used, featured, np.zeros(used.size))
 
 
-def _robust_centre(stated: _Stated, centre: Array) -> Array:
-    """Centre (2,) of the circle with a second harmonic on which the points lie that are not features."""
+def _robust_centre(stated: _Stated, centre: Array) -> tuple[Array, float]:
+    """Centre (2,) of the circle with a second harmonic on which the points lie that are not features, from a start at
+    `centre`; and the share of points that kept some weight.
+    """
     used = stated.ring.measured
-    coefficients = np.zeros(2 * CENTRE_HARMONICS + 1)
+    coefficients, kept = np.zeros(2 * CENTRE_HARMONICS + 1), 1.0
     for _ in range(CENTRE_ROUNDS):
         polar = stated.about(centre)
         basis, radius = harmonic_basis(polar.angle, CENTRE_HARMONICS)[used], polar.radius[used]
         if coefficients[0] == 0:
             coefficients[0] = np.median(radius)
-        coefficients = _tukey_fit(basis, radius, coefficients, sigma=stated.sigma[used])
+        coefficients, kept = _tukey_fit(basis, radius, coefficients, sigma=stated.sigma[used])
         shift = np.array([coefficients[2], -coefficients[1]])
         centre, coefficients[1:3] = centre + shift, 0.0
         if np.abs(shift).max() < CENTRED:
             break
     if not np.hypot(*centre) < 1:
         raise InputError("The rig axis lies outside the circle through the points; there is no ring round it.")
-    return centre
+    return centre, kept
 
 
-def _tukey_fit(basis: Array, radius: Array, start: Array, *, sigma: Array) -> Array:
-    """Coefficients (p,) of `basis` (n, p) for `radius` (n,) with Tukey's weights, from `start`."""
-    coefficients = start
+def _tukey_fit(basis: Array, radius: Array, start: Array, *, sigma: Array) -> tuple[Array, float]:
+    """Coefficients (p,) of `basis` (n, p) for `radius` (n,) with Tukey's weights, from `start`; share of points kept."""
+    coefficients, weights = start, np.ones(radius.size)
     ridge = RIDGE * radius.size * np.eye(start.size)
     for _ in range(TUKEY_ROUNDS):
         off = radius - basis @ coefficients
-        weighted = basis.T * _tukey(off, _spread(off) + sigma)
+        weights = _tukey(off, _spread(off) + sigma)
+        weighted = basis.T * weights
         step = np.linalg.solve(weighted @ basis + ridge, weighted @ off)
         coefficients = coefficients + step
         if np.abs(step).max() < CENTRED:
             break
-    return coefficients
+    return coefficients, float(np.mean(weights > 0))
 
 
 def _tukey(off: Array, spread: Array) -> Array:

@@ -1,0 +1,51 @@
+"""`python -m benchmarks`: all tables as Markdown, on standard output and in benchmarks/out/report.md."""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import platform
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+PACKAGES = ("calibore", "numpy", "opencv-python-headless")
+PARTS = ("kernel", "end_to_end_one", "end_to_end_two", "startup")
+
+
+def part(name: str) -> list[str]:
+    """One table, in a process of its own so that pinning and threads do not leak."""
+    from benchmarks import end_to_end, kernel, startup, timing
+
+    if name in ("kernel", "end_to_end_one"):
+        timing.pin_to_one_core()
+    tables = {
+        "kernel": kernel.report,
+        "end_to_end_one": lambda: end_to_end.report(1),
+        "end_to_end_two": lambda: end_to_end.report(2),
+        "startup": startup.report,
+    }
+    return tables[name]()
+
+
+def main() -> None:
+    """Run every part, or the one named."""
+    if len(sys.argv) > 1:
+        print("\n".join(part(sys.argv[1])))
+        return
+    load = f"{os.getloadavg()[0]:.2f}" if hasattr(os, "getloadavg") else "unknown"
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, load {load} at the start, Python {platform.python_version()}"
+    lines = ["# Benchmarks", f"{machine}; " + ", ".join(f"{name} {version(name)}" for name in PACKAGES), ""]
+    for name in PARTS:
+        run = subprocess.run([sys.executable, "-m", "benchmarks", name], check=True, capture_output=True, text=True)
+        lines += [run.stdout]
+    out = Path(__file__).parent / "out" / "report.md"
+    out.parent.mkdir(exist_ok=True)
+    out.write_text("\n".join(lines), encoding="utf-8")
+    print("\n".join(lines))
+
+
+if __name__ == "__main__":
+    main()

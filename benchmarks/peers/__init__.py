@@ -1,0 +1,1 @@
+"""What others would write: short, reviewed, as good as a careful user makes it."""
