@@ -2,20 +2,24 @@
 
 `profile_scan`   a scan folder in, a result folder out
 `measure_scan`   the same station by station, for programs that keep results in memory
+`measure_image`  one picture in memory to a `Ring` on the clock grid
 `prepare`        reads and checks what a scan folder says before its first image is read
 """
 
+from calibore.profiling._grid import Ring
 from calibore.profiling._profile import Finisher, Progress, Sealed, measure_scan, prepare, profile_scan
-from calibore.profiling._station import Job, StationResult, measure_station
+from calibore.profiling._station import Job, StationResult, measure_image, measure_station
 from calibore.profiling._summary import Tally
 
 __all__ = [
     "Finisher",
     "Job",
     "Progress",
+    "Ring",
     "Sealed",
     "StationResult",
     "Tally",
+    "measure_image",
     "measure_scan",
     "measure_station",
     "prepare",

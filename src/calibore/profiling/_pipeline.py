@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
+from threadpoolctl import threadpool_limits
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 AHEAD = 2
@@ -12,10 +14,18 @@ AHEAD = 2
 
 
 def in_order(items: Iterable[Item], work: Callable[[Item], Result], *, workers: int) -> Iterator[Result]:
-    """`work(item)` for every item, in order, on `workers` threads; items are drawn only as fast as they are worked off."""
-    if workers <= 1:
-        yield from map(work, items)
-        return
+    """`work(item)` for every item, in order, on `workers` threads; items are drawn only as fast as they are worked off.
+
+    Linear algebra keeps to one thread meanwhile: its matrices are small, and the cores are busy with stations.
+    """
+    with threadpool_limits(limits=1, user_api="blas"):
+        if workers <= 1:
+            yield from map(work, items)
+        else:
+            yield from _on_threads(items, work, workers)
+
+
+def _on_threads(items: Iterable[Item], work: Callable[[Item], Result], workers: int) -> Iterator[Result]:
     pool = ThreadPoolExecutor(workers, thread_name_prefix="calibore")
     waiting: deque[Future[Result]] = deque()
     try:

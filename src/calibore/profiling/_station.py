@@ -12,10 +12,10 @@ from calibore.images import Pixels, StationImages
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._grid import Ring, grid_ring
 from calibore.profiling._placement import Placement
-from calibore.profiling._take import Search, TakePoints, measure_take
+from calibore.profiling._take import Search, TakePoints, measure_take, search_region
 from calibore.profiling._takes import combine_takes
 from calibore.rigs import Rig
-from calibore.scans import RingPoints, RingProfile
+from calibore.scans import RingPoints, RingProfile, ScanSpec
 from calibore.uncertainty import Covariance, Quantity, propagate
 
 Array = NDArray[np.float64]
@@ -32,6 +32,15 @@ class Job:
     channel: str
     estimator: str
     nominal_radius: float
+
+    @classmethod
+    def of(
+        cls, rig: Rig, nominal_radius: float, *, channel: str = "red", estimator: str = "zero-crossing"
+    ) -> "Job":
+        """For pictures taken with `rig` in a pipe of `nominal_radius` [m], searched as wide as scans are by default."""
+        rig = rig.with_default_uncertainty(nominal_radius)
+        search = search_region(rig, nominal_radius, inner=ScanSpec.search_inner, outer=ScanSpec.search_outer)
+        return cls(rig, rig.covariance or Covariance.independent({}), search, channel, estimator, nominal_radius)
 
 
 @dataclass(frozen=True)
@@ -63,6 +72,12 @@ class StationResult:
     takes: tuple[TakePoints, ...]
     refused: tuple[RefusedImage, ...]
     first_image: Callable[[], Pixels]
+
+
+def measure_image(image: Pixels, job: Job) -> Ring:
+    """The ring in one picture (h, w) or (h, w, 3) on the clock grid; raises ImageError where there is none."""
+    take = measure_take(image, job.rig, job.search, channel=job.channel, estimator=job.estimator)
+    return grid_ring(take, job.covariance, stripe=job.rig.stripe)
 
 
 def measure_station(images: StationImages, placement: Placement, job: Job) -> StationResult:
