@@ -42,8 +42,13 @@ def read_document(path: Path, model: type[Model]) -> Model:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise InputError(f"{path} does not exist; give the path of an existing file.") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read ({error}); check that it is a readable UTF-8 text file.") from error
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({error.strerror or error}); check its permissions.") from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path} cannot be read (byte {error.start} is {error.object[error.start]:#04x}, which is not UTF-8 text); "
+            "give a TOML file saved as UTF-8."
+        ) from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is not valid TOML: {error}. Correct that line.") from error
     return validate(data, model, path=path)
@@ -55,20 +60,46 @@ def validate(data: dict[str, Any], model: type[Model], *, path: Path) -> Model:
         return model.model_validate(data)
     except ValidationError as error:
         mistake = error.errors()[0]
-        more = f" ({error.error_count() - 1} more mistakes in this file.)" if error.error_count() > 1 else ""
+        others = error.error_count() - 1
+        more = f" ({others} more mistake{'s' * (others > 1)} in this file.)" if others else ""
         raise InputError(f"{path}: {_sentence(mistake, model)}{more}") from error
+
+
+SHOWN = 60
+"""Characters of a wrong value that are worth repeating."""
+REWORDED = {
+    "Value error, ": "",
+    "Input should be": "it must be",
+    "a valid integer": "a whole number without quotes",
+    "a valid number": "a number without quotes",
+    "a valid string": "text in quotes",
+    "a valid tuple": "a list in square brackets",
+    "tuple should have": "it must have",
+    " after validation": "",
+}
 
 
 def _sentence(mistake: Any, model: type[BaseModel]) -> str:
     where = tuple(part for part in mistake["loc"] if not str(part).startswith("function-"))
-    key = ".".join(str(part) for part in where) or "the document"
-    kind, message = mistake["type"], mistake["msg"].removeprefix("Value error, ")
-    if kind == "missing":
+    key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in where).removeprefix(".")
+    if mistake["type"] == "missing":
         return f"key {key} is missing; add it."
-    if kind == "extra_forbidden":
+    if mistake["type"] == "extra_forbidden":
         allowed = ", ".join(sorted(_keys_at(model, where[:-1])))
         return f"key {key} is not known; allowed here: {allowed}."
-    return f"key {key} = {mistake['input']!r} is wrong: {message[:1].lower()}{message[1:]}".rstrip(".") + "."
+    value = repr(mistake["input"])
+    shown = value if len(value) <= SHOWN else f"{value[:SHOWN]}..."
+    return f"key {key} = {shown} is wrong: {_reworded(mistake)}".rstrip(".") + "."
+
+
+def _reworded(mistake: Any) -> str:
+    """What pydantic says of a value, in the words of somebody who writes TOML."""
+    if mistake["type"] in ("model_type", "dict_type"):
+        return "it must be a table with keys of its own"
+    message = mistake["msg"]
+    for said, meant in REWORDED.items():
+        message = message.replace(said, meant)
+    return f"{message[:1].lower()}{message[1:]}"
 
 
 def _keys_at(model: Any, where: tuple[Any, ...]) -> list[str]:

@@ -1,10 +1,13 @@
 """The tutorial is true: every block of it runs, in order, and prints what the page says it prints."""
 
+import contextlib
+import io
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from markdown_pages import ROOT, Block, blocks, differences
@@ -18,30 +21,32 @@ def ran(tmp_path_factory):
     """[(block, what it printed)] of the tutorial, all run in one folder as a reader would."""
     if shutil.which("bash") is None:
         pytest.skip("bash is not installed, so the shell blocks of the tutorial cannot be run")
-    folder = tmp_path_factory.mktemp("tutorial")
-    return list(zip(*run_all(blocks(TUTORIAL), folder), strict=True))
+    names: dict[str, Any] = {}
+    with contextlib.chdir(tmp_path_factory.mktemp("tutorial")):
+        runs = {"sh": shell, "python": lambda block: python(block, names)}
+        return [(block, runs[block.language](block)) for block in blocks(TUTORIAL) if block.language in runs]
 
 
-def run_all(page: list[Block], folder: Path) -> tuple[list[Block], list[str]]:
-    """Runs sh and python blocks of `page` in `folder`; python blocks see what earlier ones have defined."""
-    environment = os.environ | {
-        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": os.pathsep.join(p for p in sys.path if p),
-        "MPLBACKEND": "Agg",
-    }
-    todo, printed, before = [b for b in page if b.language in ("sh", "python")], [], ""
-    for block in todo:
-        if block.language == "sh":
-            command = ["bash", "-euo", "pipefail", "-c", block.text]
-        else:
-            mark = "print('-- this block --')\n"
-            command, before = [sys.executable, "-c", before + mark + block.text], before + block.text
-        done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=LONGEST, check=False
-        )
-        assert done.returncode == 0, f"{TUTORIAL.name}, line {block.line}:\n{done.stderr}{done.stdout}"
-        printed.append(done.stdout.rpartition("-- this block --\n")[2])
-    return todo, printed
+def shell(block: Block) -> str:
+    """What `block` prints in a shell that finds this environment's commands; the current folder reads `...`."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", block.text],
+        env=os.environ | {"PATH": path, "MPLBACKEND": "Agg", "LC_ALL": "C"},
+        capture_output=True,
+        text=True,
+        timeout=LONGEST,
+        check=False,
+    )
+    assert done.returncode == 0, f"{TUTORIAL.name}, line {block.line}:\n{done.stderr}{done.stdout}"
+    return done.stdout.replace(os.getcwd(), "...")
+
+
+def python(block: Block, names: dict[str, Any]) -> str:
+    """What `block` prints; `names` are those that earlier blocks have defined."""
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        exec(compile(block.text, f"{TUTORIAL.name}, line {block.line}", "exec"), names)
+    return printed.getvalue()
 
 
 def promises(page: list[Block]) -> dict[int, str]:

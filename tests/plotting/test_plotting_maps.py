@@ -39,7 +39,8 @@ def _map(profile, **options):
 
 def _pixel(figure, x: float, y: float) -> np.ndarray:
     """Colour 0..1 of the picture at data position (x, y) of its first axes."""
-    figure.canvas.draw()
+    if figure.stale:
+        figure.canvas.draw()
     picture = np.asarray(figure.canvas.buffer_rgba())
     column, row = figure.axes[0].transData.transform((x, y))
     return picture[picture.shape[0] - 1 - int(row), int(column), :3] / 255

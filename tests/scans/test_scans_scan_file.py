@@ -99,7 +99,7 @@ MISTAKES = {
     "unknown key in pipe": (
         '"6 in"',
         '"6 in"\nradius = 3',
-        "key pipe.radius is not known; allowed here: limit_deflection, nominal_radius",
+        "key pipe.radius is not known; allowed here: limit_deflection, limit_ovality, nominal_radius",
     ),
     "unknown key in axial": ('step = "0.1 in"', 'stop = "0.1 in"', "motion.axial"),
     "no step": (', step = "0.1 in"', "", "key motion.axial.step is missing"),

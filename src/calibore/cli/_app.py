@@ -1,5 +1,8 @@
 """The `calibore` command and its verbs."""
 
+import sys
+import warnings
+from io import TextIOWrapper
 from typing import Annotated
 
 import typer
@@ -39,5 +42,8 @@ for verb in (demo, profile, export):
 
 def main() -> None:
     """Entry point: runs the verb; a failure becomes one sentence and an exit status."""
+    warnings.filterwarnings("ignore", module="zarr")  # remarks on its own storage format, of no use to a user
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal cannot write must not end a run
     with telling_failures():
         app()

@@ -1,12 +1,12 @@
 """`calibore demo`: simulates a small pipe, measures it, and shows truth beside measurement."""
 
-import json as encoder
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from calibore.cli._profile import UnitName, Workers, progress_bar, tell
+from calibore.cli._failure import wrong_usage
+from calibore.cli._profile import UnitName, Workers, as_json, progress_bar, tell
 
 SCAN, RESULT = "scan", "result"
 ROWS = (
@@ -32,14 +32,15 @@ def demo(
     from calibore.reports import finisher
     from calibore.simulation import demo_scan
 
-    finish = finisher(unit=unit)
+    with wrong_usage():
+        finish = finisher(unit=unit)
     with progress_bar("Simulating", quiet=json) as progress:
         scan = demo_scan(out / SCAN, seed=seed, progress=progress)
     with progress_bar("Profiling", quiet=json) as progress:
         summary = profile_scan(scan, out / RESULT, workers=workers, progress=progress, finisher=finish)
     rows = compare(out)
     if json:
-        typer.echo(encoder.dumps({"summary": summary, "comparison": rows}, indent=2))
+        typer.echo(as_json({"summary": summary, "comparison": rows}))
         return
     show(rows, unit)
     tell(summary, out / RESULT, unit=unit, json=False)

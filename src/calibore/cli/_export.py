@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from calibore.cli._failure import wrong_usage
+
 
 def export(
     result: Annotated[Path, typer.Argument(help="Result folder of `calibore profile`.")],
@@ -15,4 +17,6 @@ def export(
     from calibore.scans import default_export_name
     from calibore.scans import export as write
 
-    typer.echo(f"Wrote {write(result, format, to or result / default_export_name(format))}")
+    with wrong_usage():
+        name = default_export_name(format)
+    typer.echo(f"Wrote {write(result, format, to or result / name)}")

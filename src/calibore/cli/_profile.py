@@ -1,5 +1,8 @@
 """`calibore profile SCAN --out OUT`: a folder of laser-ring images in, a measured pipe out."""
 
+import json as json_encoder
+import math
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -7,13 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calibore.cli._failure import PARTLY_REFUSED
+from calibore.cli._failure import PARTLY_REFUSED, wrong_usage
 
 if TYPE_CHECKING:
     from calibore.profiling import Progress
 
 Out = Annotated[Path, typer.Option("--out", "-o", help="Result folder; it appears when everything is done.")]
 Workers = Annotated[int | None, typer.Option(min=1, help="Threads.", show_default="all cores")]
+DIGITS = {"mm": 3, "in": 4}
 UnitName = Annotated[str, typer.Option("--unit", help="Length unit of pictures and report: mm or in.")]
 
 
@@ -36,11 +40,10 @@ def profile(
     from calibore.profiling import profile_scan
     from calibore.reports import finisher
 
-    finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
+    with wrong_usage():
+        finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
     with progress_bar("Profiling", quiet=json) as progress:
-        summary = profile_scan(
-            scan, out, estimator=estimator, workers=workers, progress=progress, finisher=finish
-        )
+        summary = profile_scan(scan, out, estimator=estimator, workers=workers, progress=progress, finisher=finish)
     tell(summary, out, unit=unit, json=json)
     if summary["counts"]["refused_images"]:
         raise typer.Exit(PARTLY_REFUSED)
@@ -49,25 +52,24 @@ def profile(
 @contextmanager
 def progress_bar(what: str, *, quiet: bool) -> Iterator["Progress | None"]:
     """A progress bar on standard error while the block runs; nothing when `quiet` or when nobody is watching."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield None
-        return
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def tell(summary: dict[str, Any], out: Path, *, unit: str, json: bool) -> None:
-    """The result in a few lines, or all of the summary as JSON."""
+    """The result in a few lines, or all of the summary as JSON; its warnings on standard error."""
+    for warning in summary["warnings"]:
+        typer.echo(f"Warning: {warning}", err=True)
     if json:
-        import json as encoder
-
-        typer.echo(encoder.dumps(_finite(summary), indent=2, ensure_ascii=False))
+        typer.echo(as_json(summary))
         return
     for line in brief(summary, unit):
         typer.echo(line)
@@ -76,32 +78,41 @@ def tell(summary: dict[str, Any], out: Path, *, unit: str, json: bool) -> None:
 
 
 def brief(summary: dict[str, Any], unit: str) -> Iterator[str]:
-    """What a contractor wants to read first, with 95 % uncertainties (k = 2), then the warnings."""
+    """What a contractor wants to read first, with 95 % uncertainties (k = 2)."""
     from calibore.units import parse_quantity
 
-    counts, scale = summary["counts"], parse_quantity(f"1 {unit}", "length")
+    counts, scale, digits = summary["counts"], parse_quantity(f"1 {unit}", "length"), DIGITS.get(unit, 3)
     yield (
-        f"{counts['stations']} stations from {counts['images']} images, "
+        f"{_counted(counts['stations'], 'station')} from {_counted(counts['images'], 'image')}, "
         f"{100 * summary['fraction_measured']:.1f} % of all positions measured."
     )
     mean, u_mean = summary["mean_diameter_m"] / scale, summary["u_mean_diameter_m"] / scale
     if mean == mean:
-        yield f"Mean diameter {mean:.3f} {unit} (U95 {2 * u_mean:.3f})."
+        yield f"Mean diameter {mean:.{digits}f} {unit} (U95 {2 * u_mean:.{digits}f})."
     for row in summary["worst_stations"][:1]:
         form = max(("max", "min"), key=lambda f: row[f"ovality_f1216_{f}_percent"])
         name = f"ovality_f1216_{form}_percent"
+        if row[name] != row[name]:
+            continue
         yield (
             f"Worst ovality {row[name]:.2f} % (U95 {2 * row['u_' + name]:.2f}) at station {row['station']}, "
             f"{row['axial_m'] / scale:.1f} {unit}; deflection there {row['deflection_percent']:.2f} % "
             f"(U95 {2 * row['u_deflection_percent']:.2f})."
         )
-    for warning in summary["warnings"]:
-        yield f"Warning: {warning}"
+
+
+def as_json(value: Any) -> str:
+    """`value` as JSON that every reader takes: what is not a finite number is null, and only ASCII leaves."""
+    return json_encoder.dumps(_finite(value), indent=2, allow_nan=False)
 
 
 def _finite(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
-    return None if isinstance(value, float) and value != value else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"

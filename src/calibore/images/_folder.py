@@ -52,8 +52,9 @@ class ImageFolder:
     def stations(self) -> Iterator[StationImages]:
         """One entry per station (and angular stop), sorted."""
         for (station, angular), keys in groupby(self.paths, key=lambda key: key[:2]):
-            takes = tuple(take for _, _, take in keys)
-            yield StationImages(station, takes, partial(self.read, station, angular=angular), angular=angular)
+            found = {key[2]: self.paths[key].relative_to(self.folder).as_posix() for key in keys}
+            read = partial(self.read, station, angular=angular)
+            yield StationImages(station, tuple(found), read, angular=angular, names=tuple(found.values()))
 
     def read(self, station: int, take: int = 0, *, angular: int = 0) -> Pixels:
         """The pixels of one image; raises ImageError naming the file and why."""

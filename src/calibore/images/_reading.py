@@ -11,6 +11,14 @@ LIMIT = 1_000_000_000
 """Most bytes that one image may have, decoded or as a file."""
 
 
+class UnreadableImage(ImageError):
+    """A file that is not a usable image; `reason` says why and what to do without naming it again."""
+
+    def __init__(self, path: Path, why: str) -> None:
+        self.reason = f"{why}; copy or save it again, or remove it"
+        super().__init__(f'Image "{path}" cannot be used: {self.reason}.')
+
+
 def read_image(path: Path, *, limit: int = LIMIT) -> Pixels:
     """The pixels of a PNG, JPEG, TIFF or BMP file, shape (h, w) or (h, w, 3), 8 or 16 bit.
 
@@ -31,8 +39,8 @@ def image_size(path: Path) -> tuple[int, int]:
         raise _image_error(path, error) from error
 
 
-def _image_error(path: Path, error: Exception) -> ImageError:
+def _image_error(path: Path, error: Exception) -> UnreadableImage:
     why = str(error)
     if isinstance(error, OSError) and error.strerror:
         why = f"it cannot be read ({error.strerror})"
-    return ImageError(f'Image "{path}" cannot be used: {why}. Copy or save it again, or remove it.')
+    return UnreadableImage(path, why)

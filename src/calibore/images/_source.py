@@ -16,7 +16,7 @@ class StationImages:
     """The pictures taken at one station.
 
     `read(take)` gives the pixels of one of `takes`, or raises ImageError for this image alone; it may be called from
-    any thread, and for folders that is where the decoding happens.
+    any thread, and for folders that is where the decoding happens. `names`: of each take, as a person would look for it.
     """
 
     station: int
@@ -24,6 +24,11 @@ class StationImages:
     read: Callable[[int], Pixels]
     time_s: float | None = None
     angular: int = 0
+    names: tuple[str, ...] = ()
+
+    def name(self, take: int) -> str:
+        """The file name of one of `takes`, or what else its picture is called."""
+        return dict(zip(self.takes, self.names, strict=False)).get(take, f"station {self.station}, take {take}")
 
 
 @dataclass(frozen=True)

@@ -70,13 +70,14 @@ class Video:
             constant_rate = container.format.name == "avi"  # AVI stores no presentation times
             for number, time, frame in _Numbered(stream, self._refused, constant_rate=constant_rate).frames(container):
                 if self.odometry is not None and not self.odometry.covers(time):
-                    self._refused.add(SHORT_ODOMETRY, number)
+                    covered = f"the table covers {self.odometry.time[0]:g} s to {self.odometry.time[-1]:g} s"
+                    self._refused.add(f"{SHORT_ODOMETRY} ({covered})", number)
                     continue
                 usable = True
                 yield _station(number, time, _pixels(frame, self.channel))
         if not usable:
             why = "; ".join(map(str, self.refusals)) or "it holds none"
-            raise InputError(f'Video "{self.path}" has no usable frame ({why.rstrip(".")}); give another recording.')
+            raise InputError(f'Video "{self.path}" has no usable frame ({why.rstrip(".")}); give another recording or a longer table.')
 
 
 class _Refusals:
@@ -226,7 +227,7 @@ def _station(number: int, time: float, pixels: Pixels) -> StationImages:
             raise ImageError(f"Frame {number} has no take {take}; a video has take 0 only.")
         return pixels
 
-    return StationImages(number, (0,), read, time_s=time)
+    return StationImages(number, (0,), read, time_s=time, names=(f"frame {number}",))
 
 
 def _pixels(frame: Any, channel: str) -> Pixels:

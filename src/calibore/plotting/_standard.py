@@ -59,9 +59,8 @@ STANDARD_PICTURES: tuple[Picture, ...] = (
     Picture(
         "diameter_along",
         "Diameters along the pipe",
-        "Mean, smallest and largest diameter of every ring. Much of the band is common to the whole scan: the"
-        " curves may be off by it together, and differences between stations are known better than the bands "
-        "suggest.",
+        "Mean, smallest and largest diameter of every ring. The part of the band that the whole scan has in "
+        "common moves all curves together: differences between stations are known better than the bands suggest.",
         diameter_along,
     ),
     Picture(

@@ -70,7 +70,9 @@ def grid_ring(take: TakePoints, covariance: Covariance, *, stripe: float | None,
     modes = propagate(sensitivities, covariance, names=take.points.parameter_names).modes
     mean = np.nansum(weight * level, axis=1) + gone
     axial = table.mean(weight, take.points.axial) + gone
-    return Ring(clock_grid(positions), mean, axial, u + gone, modes + gone, _status(take, home, offset, found), correlation)
+    return Ring(
+        clock_grid(positions), mean, axial, u + gone, modes + gone, _status(take, home, offset, found), correlation
+    )
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,13 @@
 """Where the rig was at each station: from the scan's regular motion, its station table or its odometry."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 
 from calibore.errors import InputError
 from calibore.geometry import Pose
 from calibore.images import ImageFolder, ImageSource, StationImages, Video, read_odometry, read_station_table
+from calibore.optics import Camera
 from calibore.rigs import Rig
 from calibore.scans import AxialMotion, ScanSpec
 
@@ -30,40 +31,58 @@ class Placement:
         return Pose.from_roll_pitch_yaw(self.roll, self.pitch, self.yaw, translation=(0.0, 0.0, self.axial))
 
 
-Placer = Callable[[StationImages], Placement | None]
-"""The placement of a station, or None where the scan does not say it."""
+@dataclass(frozen=True)
+class Placer:
+    """Called with a station: its placement, or None where the scan does not say it. `expected`: stations of which it
+    says one, where they are listed.
+    """
+
+    find: Callable[[StationImages], Placement | None]
+    expected: Collection[int] = ()
+
+    def __call__(self, station: StationImages) -> Placement | None:
+        return self.find(station)
 
 
 def open_source(spec: ScanSpec, rig: Rig) -> tuple[ImageSource, str, Placer]:
     """The scan's pictures, the colour channel its line is looked for in, and where its stations lie."""
     if spec.kind != "forward-looking":
-        raise InputError(f"{spec.folder} is a {spec.kind} scan; this version profiles forward-looking laser rings only.")
+        raise InputError(
+            f"{spec.folder} is a {spec.kind} scan; this version profiles forward-looking laser rings only."
+        )
     channel = rig.lasers[0].channel
     if spec.video is not None:
-        return _open_video(spec, spec.video, channel or VIDEO_CHANNEL)
+        return _open_video(spec, spec.video, channel=channel or VIDEO_CHANNEL, camera=rig.camera)
     source = ImageFolder(spec.folder, spec.pattern or "")
     return source, channel or FOLDER_CHANNEL, _by_station(spec)
 
 
-def _open_video(spec: ScanSpec, path: Path, channel: str) -> tuple[ImageSource, str, Placer]:
-    if not isinstance(spec.motion, Path):
-        source = Video(path, channel)
+def _open_video(spec: ScanSpec, path: Path, *, channel: str, camera: Camera) -> tuple[ImageSource, str, Placer]:
+    odometry = read_odometry(spec.motion) if isinstance(spec.motion, Path) else None
+    source = Video(path, channel, odometry)
+    if (source.width, source.height) != (camera.width, camera.height):
+        raise InputError(
+            f'Video "{path}" has frames of {source.width} x {source.height} px but the rig\'s camera has {camera.width} x '
+            f"{camera.height} px; use the rig file of the camera that took it."
+        )
+    if odometry is None:
         return source, channel, _by_station(spec)
-    odometry = read_odometry(spec.motion)
 
     def place(station: StationImages) -> Placement | None:
         time = station.time_s if station.time_s is not None else float("nan")
         axial, roll = odometry.at(time)
         return Placement(float(axial), float(roll), time=time)
 
-    return Video(path, channel, odometry), channel, place
+    return source, channel, Placer(place)
 
 
 def _by_station(spec: ScanSpec) -> Placer:
     motion = spec.motion
     if isinstance(motion, AxialMotion):
-        return lambda station: Placement(
-            float(motion.axial(station.station)), time=float("nan") if station.time_s is None else station.time_s
+        return Placer(
+            lambda station: Placement(
+                float(motion.axial(station.station)), time=float("nan") if station.time_s is None else station.time_s
+            )
         )
     table = read_station_table(motion)
 
@@ -74,4 +93,4 @@ def _by_station(spec: ScanSpec) -> Placer:
         time = float("nan") if row.time is None else row.time
         return Placement(row.axial, row.roll, row.pitch, row.yaw, time)
 
-    return place
+    return Placer(place, table.keys())

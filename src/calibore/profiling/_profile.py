@@ -47,13 +47,16 @@ class _Reading:
 
     source: ImageSource
     place: Placer
-    unplaced: list[int] = field(default_factory=list)
+    tally: Tally
+    unplaced: list[tuple[int, int]] = field(default_factory=list)
+    """Station and number of its images."""
 
     def __iter__(self) -> Iterator[tuple[StationImages, Placement]]:
         for images in self.source.stations():
+            self.tally.see(images)
             placement = self.place(images)
             if placement is None:
-                self.unplaced.append(images.station)
+                self.unplaced.append((images.station, len(images.takes)))
             else:
                 yield images, placement
 
@@ -62,7 +65,7 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
     """Everything that can be wrong with a scan before its first image is read, found out."""
     estimator_named(estimator)
     if spec.rig_path is None:
-        raise InputError(f"{spec.folder / 'scan.toml'} names no rig; add rig = \"rig.toml\".")
+        raise InputError(f'{spec.folder / "scan.toml"} names no rig; add rig = "rig.toml".')
     rig = read_rig(spec.rig_path).with_default_uncertainty(spec.nominal_radius)
     search = search_region(rig, spec.nominal_radius, inner=spec.search_inner, outer=spec.search_outer)
     source, channel, place = open_source(spec, rig)
@@ -74,7 +77,7 @@ def measure_scan(
     job: Job, source: ImageSource, place: Placer, *, workers: int, tally: Tally
 ) -> Iterator[StationResult]:
     """Every usable station in order; what could not be used is counted and named in `tally`."""
-    reading = _Reading(source, place)
+    reading = _Reading(source, place, tally)
 
     def work(item: tuple[StationImages, Placement]) -> StationResult | StationRefused:
         try:
@@ -88,7 +91,7 @@ def measure_scan(
         else:
             tally.add(result)
             yield result
-    tally.leave_out(reading.unplaced, source.refusals)
+    tally.leave_out(reading.unplaced, source.refusals, expected=place.expected)
 
 
 def profile_scan(

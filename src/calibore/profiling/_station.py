@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import ImageError
-from calibore.images import Pixels, StationImages
+from calibore.geometry import clock_of
+from calibore.images import Pixels, StationImages, UnreadableImage
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._grid import Ring, grid_ring
 from calibore.profiling._placement import Placement
@@ -19,6 +20,7 @@ from calibore.scans import RingPoints, RingProfile, ScanSpec
 from calibore.uncertainty import Covariance, Quantity, propagate
 
 Array = NDArray[np.float64]
+NOT_LIT = "laser.takes in the rig file says that the laser is not lit in this take"
 UNITS = {"area": "_m2", "clock": "_rad", "ovality": "_percent", "deflection": "_percent"}
 
 
@@ -34,9 +36,7 @@ class Job:
     nominal_radius: float
 
     @classmethod
-    def of(
-        cls, rig: Rig, nominal_radius: float, *, channel: str = "red", estimator: str = "zero-crossing"
-    ) -> "Job":
+    def of(cls, rig: Rig, nominal_radius: float, *, channel: str = "red", estimator: str = "zero-crossing") -> "Job":
         """For pictures taken with `rig` in a pipe of `nominal_radius` [m], searched as wide as scans are by default."""
         rig = rig.with_default_uncertainty(nominal_radius)
         search = search_region(rig, nominal_radius, inner=ScanSpec.search_inner, outer=ScanSpec.search_outer)
@@ -81,17 +81,24 @@ def measure_image(image: Pixels, job: Job) -> Ring:
 
 
 def measure_station(images: StationImages, placement: Placement, job: Job) -> StationResult:
-    """Everything of one station; raises StationRefused where none of its images can be used."""
+    """Everything of one station; raises StationRefused where none of its images can be used.
+
+    Takes in which the rig's laser is not lit (`Laser.takes`) are no part of it.
+    """
     takes: list[TakePoints] = []
     numbers: list[int] = []
     refused: list[RefusedImage] = []
-    for number in images.takes:
+    lit = [number for number in images.takes if job.rig.lasers[0].is_lit(number)]
+    if not lit:
+        refused = [RefusedImage(images.name(number), NOT_LIT) for number in images.takes]
+    for number in lit:
         try:
             picture = images.read(number)
             takes.append(measure_take(picture, job.rig, job.search, channel=job.channel, estimator=job.estimator))
             numbers.append(number)
         except ImageError as error:
-            refused.append(RefusedImage(f"station {images.station}, take {number}", str(error)))
+            reason = error.reason if isinstance(error, UnreadableImage) else str(error)
+            refused.append(RefusedImage(images.name(number), reason.rstrip(".")))
     if not takes:
         raise StationRefused(refused)
     rings = [grid_ring(take, job.covariance, stripe=job.rig.stripe) for take in takes]
@@ -139,13 +146,14 @@ def _points(takes: list[TakePoints], numbers: list[int], placement: Placement, c
         valued = np.where(np.isfinite(take.u_position), 0.0, np.nan)
         wall = pose.apply(take.points.points)
         sensitivities = take.points.radius_sensitivities.parameters
+        turned = np.mod(take.clock + placement.roll, 2 * np.pi)
         common = propagate(sensitivities, covariance, names=take.points.parameter_names).u
         values = {
             "x": wall[:, 0],
             "y": wall[:, 1],
             "z": wall[:, 2],
             "radius": take.points.radius + valued,
-            "clock": take.clock,
+            "clock": np.where(np.isfinite(wall[:, 0]), clock_of(wall[:, 0], wall[:, 1]), turned),
             "axial": wall[:, 2],
             "u_radius": np.hypot(take.along * take.u_position, common),
             "u": take.stripe.u,

@@ -1,6 +1,6 @@
 """What a finished run says of itself: counts, worst stations, noise, warnings."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from platform import python_version
@@ -9,20 +9,17 @@ from typing import Any
 import numpy as np
 
 from calibore import __version__
-from calibore.images import Refusal
+from calibore.images import Refusal, StationImages
+from calibore.profiling._missing import counted, gap_sentences, refused_sentence, some, unplaced_sentence
 from calibore.profiling._station import Job, RefusedImage, StationResult
 from calibore.scans import ScanSpec
 from calibore.status import MEANING, Status
 
 WORST = 10
 """Stations named as the worst."""
-NAMED = 20
-"""Refused images named one by one; a survey may lose thousands to one cause."""
+LISTED = 1000
+"""Refused images listed in the summary; a survey may lose more than that to one cause."""
 LOW_FRACTION = 0.5
-REGULAR = 0.8
-"""Share of equal steps from which a numbering counts as regular, so that gaps in it are worth a word."""
-FEW_SHARE = 0.5
-"""Fewer takes than elsewhere are worth a word while they are the exception."""
 PARAMETER_UNITS = {
     "laser.baseline": "m",
     "camera.k": "px",
@@ -34,11 +31,12 @@ COMPARED = ("diameter_mean_m", "ovality_f1216_max_percent", "ovality_f1216_min_p
 
 @dataclass
 class Tally:
-    """Counts what was measured and what could not be, station by station, in memory that does not grow with them."""
+    """Counts what was measured and what could not be, station by station; of a station it keeps little but its number."""
 
     stations: int = 0
     images: int = 0
-    refused_images: int = 0
+    unusable_images: int = 0
+    unplaced_images: int = 0
     skipped: list[dict[str, str]] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     flags: dict[str, int] = field(default_factory=dict)
@@ -49,11 +47,21 @@ class Tally:
     _shared: list[float] = field(default_factory=lambda: [0.0, 0.0])
     _diameters: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     _takes: list[tuple[int, int]] = field(default_factory=list)
+    _expected: Collection[int] = ()
+
+    @property
+    def refused_images(self) -> int:
+        """Images, and frames of a video, that are there but were not measured."""
+        return self.unusable_images + self.unplaced_images
+
+    def see(self, images: StationImages) -> None:
+        """A station has come from its source. Frames are not numbered by people: what lacks there, the source tells."""
+        if images.time_s is None:
+            self._takes.append((images.station, len(images.takes)))
 
     def add(self, result: StationResult) -> None:
         self.stations += 1
         self.images += len(result.takes)
-        self._takes.append((result.profile.station, len(result.takes) + len(result.refused)))
         self.refuse(result.refused)
         self.statuses += np.bincount(result.profile.status, minlength=self.statuses.size)
         for flag in result.quantities.flags:
@@ -66,7 +74,7 @@ class Tally:
             count, total, total_u = self._diameters
             self._diameters = [count + 1, total + diameter.value, total_u + diameter.u]
         if result.quantities.fraction_measured < LOW_FRACTION:
-            self.thin = (self.thin + [result.profile.station])[:NAMED]
+            self.thin.append(result.profile.station)
         self._rank(result)
 
     def _rank(self, result: StationResult) -> None:
@@ -76,37 +84,31 @@ class Tally:
 
     def refuse(self, images: Sequence[RefusedImage]) -> None:
         """Count images that could not be used, and name the first of them."""
-        self.refused_images += len(images)
+        self.unusable_images += len(images)
         named = [{"image": image.name, "reason": image.reason} for image in images]
-        self.skipped = (self.skipped + named)[:NAMED]
+        self.skipped += named[: LISTED - len(self.skipped)]
 
-    def leave_out(self, unplaced: Sequence[int], refusals: Sequence[Refusal]) -> None:
-        """Stations without a place in the motion table, and frames the source could not hand out."""
+    def leave_out(
+        self, unplaced: Sequence[tuple[int, int]], refusals: Sequence[Refusal], *, expected: Collection[int] = ()
+    ) -> None:
+        """Stations (number, images) that the motion table lacks, frames that the source could not hand out; `expected`:
+        the stations of the motion table.
+        """
         if unplaced:
-            some = _some(np.array(unplaced))
-            self.left_out.append(f"{len(unplaced)} stations are not in the motion table and were left out: {some}.")
+            self.left_out.append(unplaced_sentence([station for station, _ in unplaced]))
         self.left_out += [str(refusal) for refusal in refusals]
-        self.refused_images += len(unplaced) + sum(refusal.count for refusal in refusals)
+        self.unplaced_images += sum(images for _, images in unplaced) + sum(refusal.count for refusal in refusals)
+        self._expected = expected
 
     def nothing_left(self, folder: Path) -> str:
         """The sentence for a scan of which nothing could be used."""
-        reasons = [f"{one['image']}: {one['reason']}" for one in self.skipped] + self.left_out
-        first = f" The first: {reasons[0].rstrip('.')}." if reasons else ""
-        return f"{folder} holds no image that can be measured; {self.refused_images} were refused.{first}"
+        reasons = [f"The first, {one['image']}: {one['reason']}." for one in self.skipped[:1]] + self.left_out
+        only = "its only image cannot" if self.refused_images == 1 else f"none of its {self.refused_images} images can"
+        return " ".join([f"{folder}: {only} be measured.", *reasons[:1]])
 
     def gaps(self) -> list[str]:
-        """Stations and takes that the numbering of the others lets one expect."""
-        found = []
-        stations = np.array([station for station, _ in self._takes])
-        steps = np.diff(stations)
-        if steps.size > 2 and (steps == (step := int(np.median(steps)))).mean() >= REGULAR:
-            missing = np.setdiff1d(np.arange(stations[0], stations[-1], step), stations)
-            found += [f"{missing.size} stations seem to be missing: {_some(missing)}."] if missing.size else []
-        most = max((takes for _, takes in self._takes), default=0)
-        fewer = np.array([station for station, takes in self._takes if takes < most])
-        if fewer.size and fewer.size < FEW_SHARE * len(self._takes):
-            found.append(f"{fewer.size} stations have fewer than the usual {most} takes: {_some(fewer)}.")
-        return found
+        """Stations and takes that the numbering of the others, or the motion table, lets one expect."""
+        return gap_sentences(self._takes, self._expected)
 
     @property
     def scale(self) -> float:
@@ -123,10 +125,6 @@ class Tally:
         return (total / count, total_u / count) if count else (float("nan"), float("nan"))
 
 
-def _some(numbers: np.ndarray) -> str:
-    return ", ".join(map(str, numbers[:NAMED].tolist())) + (", ..." if numbers.size > NAMED else "")
-
-
 def _badness(row: dict[str, Any]) -> float:
     worst = max(row["ovality_f1216_max_percent"], row["ovality_f1216_min_percent"])
     return worst if np.isfinite(worst) else -1.0
@@ -135,13 +133,13 @@ def _badness(row: dict[str, Any]) -> float:
 def summarise(spec: ScanSpec, job: Job, tally: Tally) -> dict[str, Any]:
     """The summary of a run as plain data; the same input gives the same summary."""
     measured = int(tally.statuses[: Status.SATURATED + 1].sum())
-    limit = spec.limit_deflection_percent
+    limits = {"deflection_percent": spec.limit_deflection_percent, "ovality_percent": spec.limit_ovality_percent}
     return {
         "command": "profile",
         "versions": {"calibore": __version__, "numpy": np.__version__, "python": python_version()},
         "name": spec.name,
         "nominal_radius_m": spec.nominal_radius,
-        "limits": {} if limit is None else {"deflection_percent": limit},
+        "limits": {name: limit for name, limit in limits.items() if limit is not None},
         "estimator": job.estimator,
         "channel": job.channel,
         "rig": describe_rig(job, spec),
@@ -175,7 +173,12 @@ def describe_rig(job: Job, spec: ScanSpec) -> dict[str, Any]:
     values |= {f"camera.polynomial_{2 * i + 3}": p for i, p in enumerate(lens.polynomial)}
     values |= {"camera.principal_point_u": u, "camera.principal_point_v": v}
     parameters = [
-        {"name": n, "value": float(x), "u": float(stated[n]) if n in stated else None, "unit": PARAMETER_UNITS.get(n, "")}
+        {
+            "name": n,
+            "value": float(x),
+            "u": float(stated[n]) if n in stated else None,
+            "unit": PARAMETER_UNITS.get(n, ""),
+        }
         for n, x in values.items()
     ]
     return {
@@ -198,13 +201,12 @@ def warnings_of(job: Job, tally: Tally) -> list[str]:
             "The rig file states no uncertainty of the baseline: +-0.1 % of the nominal radius is assumed, and everything "
             "it does not mention (lens, principal point, tilt) is taken as exactly known."
         )
-    if tally.refused_images:
-        named = " The first:" if tally.refused_images > NAMED else ""
-        names = "; ".join(f"{one['image']} ({one['reason'].rstrip('.')})" for one in tally.skipped)
-        found.append(f"{tally.refused_images} images could not be used.{named} {names}".rstrip() + ".")
+    if tally.unusable_images:
+        found.append(refused_sentence(tally.unusable_images, tally.skipped))
     found += [*tally.left_out, *tally.gaps()]
-    for station in tally.thin:
-        found.append(f"Station {station}: less than {LOW_FRACTION:.0%} of the ring was measured.")
+    if tally.thin:
+        at = "station" if len(tally.thin) == 1 else f"{len(tally.thin)} stations:"
+        found.append(f"Less than {LOW_FRACTION:.0%} of the ring was measured at {at} {some(tally.thin)}.")
     for status in (Status.MULTIPLE, Status.NOT_LASER, Status.OFF_RING):
         count = int(tally.statuses[status])
         if count:

@@ -23,6 +23,10 @@ class Search:
     inner: float
     outer: float
 
+    def __str__(self) -> str:
+        column, row = self.centre
+        return f"looked for {self.inner:.0f} to {self.outer:.0f} px from column {column:.0f}, row {row:.0f}"
+
 
 @dataclass(frozen=True)
 class TakePoints:
@@ -75,18 +79,36 @@ def measure_take(image: NDArray[np.generic], rig: Rig, search: Search, *, channe
     height, width = image.shape[:2]
     if (width, height) != (rig.camera.width, rig.camera.height):
         raise ImageError(
-            f"the image is {width} x {height} px, the rig's camera {rig.camera.width} x {rig.camera.height} px; "
-            "use the rig file of this camera"
+            f"it is {width} x {height} px but the rig's camera has {rig.camera.width} x {rig.camera.height} px; "
+            "use the rig file of the camera that took it"
         )
-    stripe = detect_ring(
-        image, search.centre, inner=search.inner, outer=search.outer, channel=channel, estimator=estimator
-    )
+    try:
+        stripe = detect_ring(
+            image, search.centre, inner=search.inner, outer=search.outer, channel=channel, estimator=estimator
+        )
+    except ImageError as error:
+        why = str(error).rstrip(".")
+        raise ImageError(
+            f"{why[:1].lower()}{why[1:]} ({_exposure(image, channel)}, {search}); check exposure, laser.channel and "
+            "pipe.nominal_radius"
+        ) from error
     points = triangulate(rig, stripe.u, stripe.v)
     status = np.where(points.status == Status.OK, stripe.status, points.status)
     status = np.where(stripe.found, status, stripe.status).astype(np.uint8)
     along = np.einsum("nk,nk->n", points.radius_sensitivities.pixel, stripe.direction)
     turn = np.einsum("nk,nk->n", points.clock_sensitivities.pixel, stripe.direction)
     return TakePoints(points, _every_clock(points.clock), along, turn, stripe.u_position, status, stripe)
+
+
+def _exposure(image: NDArray[np.generic], channel: str) -> str:
+    """What somebody who looks for a line in vain wants to know first: "red values 0 to 12 of 255"."""
+    colours = ("red", "green", "blue")
+    seen = image[:, :, colours.index(channel)] if image.ndim == 3 and channel in colours else image
+    name = channel if image.ndim == 3 else "grey"
+    low, high, white = int(seen.min()), int(seen.max()), np.iinfo(image.dtype).max
+    if low == high:
+        return f"every {name} value is {low} of {white}"
+    return f"{name} values {low} to {high} of {white}"
 
 
 def _every_clock(clock: Array) -> Array:

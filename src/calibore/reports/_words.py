@@ -4,7 +4,11 @@ from calibore.plotting import GOVERNING_OVALITY
 
 DEFINITIONS = (
     ("D", "Diameter in one direction, D(phi) = r(phi) + r(phi + 180 deg), about the fitted centre of the ring."),
-    ("Mean, largest, smallest diameter", "Mean, maximum and minimum of D over all measured directions of one ring."),
+    (
+        "Mean, largest, smallest diameter",
+        "Mean of D over the whole turn, gaps bridged by a smooth wall at a price in uncertainty; maximum and minimum "
+        "of D over the directions measured at both ends, corrected for the noise of the points.",
+    ),
     ("Ovality", f"In per cent, {GOVERNING_OVALITY}. This is the ovality meant on this page unless another is named."),
     (
         "Second harmonic",
@@ -16,7 +20,7 @@ DEFINITIONS = (
         "pipe has become smaller.",
     ),
     ("Clock position", "Looking along travel, clockwise from the crown: 12 h crown, 3 h right, 6 h invert, 9 h left."),
-    ("Measured", "Share of the clock positions that carry a radius. What was not measured enters no number."),
+    ("Measured", "Share of the clock positions that carry a radius."),
 )
 
 UNCERTAINTY_STATEMENTS = (

@@ -61,6 +61,7 @@ class ScanSpec:
     tactile: TactileTables | None = None
     angular: AngularMotion | None = None
     limit_deflection_percent: float | None = None
+    limit_ovality_percent: float | None = None
     search_inner: float = 0.5
     search_outer: float = 1.5
 

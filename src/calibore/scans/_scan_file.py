@@ -49,6 +49,7 @@ PositiveLength = Annotated[Length, AfterValidator(_positive)]
 class _Pipe(Document):
     nominal_radius: PositiveLength
     limit_deflection: Annotated[float, Strict(), Field(gt=0, le=100)] | None = None
+    limit_ovality: Annotated[float, Strict(), Field(gt=0, le=100)] | None = None
 
 
 class _Images(Document):
@@ -175,6 +176,7 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
         else None,
         angular=AngularMotion(angular.origin, angular.step) if angular else None,
         limit_deflection_percent=document.pipe.limit_deflection,
+        limit_ovality_percent=document.pipe.limit_ovality,
         search_inner=document.search.inner,
         search_outer=document.search.outer,
     )
