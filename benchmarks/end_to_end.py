@@ -1,6 +1,7 @@
 """A folder of PNG files to radii: the pipeline of `calibore profile` against the script a user would write."""
 
 import tempfile
+from itertools import count
 from pathlib import Path
 
 import cv2
@@ -19,8 +20,13 @@ INCH = 0.0254
 
 def report(workers: int, rounds: int = 15) -> list[str]:
     """Markdown lines."""
+    with tempfile.TemporaryDirectory() as folder:
+        return _report(workers, rounds, Path(folder))
+
+
+def _report(workers: int, rounds: int, folder: Path) -> list[str]:
     cv2.setNumThreads(workers)
-    paths = image_paths()
+    paths, numbers = image_paths(), count()
 
     def measured() -> dict[int, np.ndarray]:
         job, source, place = prepare(read_scan(PLANE), estimator="zero-crossing")
@@ -28,8 +34,7 @@ def report(workers: int, rounds: int = 15) -> list[str]:
         return {result.profile.station: result.profile.radius / INCH for result in results}
 
     def written() -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            profile_scan(PLANE, Path(folder) / "out", workers=workers)
+        profile_scan(PLANE, folder / f"{next(numbers)}", workers=workers)
 
     contestants = {
         "calibore, rings with all quantities and uncertainties": measured,

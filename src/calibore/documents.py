@@ -19,7 +19,7 @@ class Document(BaseModel):
 def _quantity(dimension: str) -> Any:
     def parse(value: Any) -> float:
         if not isinstance(value, str):
-            raise ValueError(f"{value!r} has no unit; write it as text with one, e.g. \"{value} {_UNIT[dimension]}\"")
+            raise ValueError(f'{value!r} has no unit; write it as text with one, e.g. "{value} {_UNIT[dimension]}"')
         try:
             return parse_quantity(value, dimension)
         except InputError as error:
@@ -74,7 +74,7 @@ REWORDED = {
     "a valid number": "a number without quotes",
     "a valid string": "text in quotes",
     "a valid tuple": "a list in square brackets",
-    "tuple should have": "it must have",
+    "Tuple should have": "it must have",
     " after validation": "",
 }
 

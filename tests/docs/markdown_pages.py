@@ -13,7 +13,7 @@ LAST_DIGITS = 2
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its language, its text, the line it begins at, and whether only blank lines part it from the last."""
+    """A fenced block with its language and first line; it `follows` if only blank lines part it from the last one."""
 
     language: str
     text: str

@@ -54,7 +54,7 @@ def test_4_19_needs_the_other_sign_and_the_squared_tangent(seed):
     theta, phi, alpha, beta = random_misalignment(seed)
     exact = misaligned_radius(theta, phi + 1j * STEP, alpha, beta).imag / STEP
     factor = np.tan(alpha) * np.sin(phi - beta) * (misaligned_radius(theta, phi, alpha, beta) / np.tan(theta)) ** 2
-    assert np.allclose(-np.tan(theta) ** 2 * factor / BASELINE, exact, rtol=1e-12)
+    assert np.allclose(-(np.tan(theta) ** 2) * factor / BASELINE, exact, rtol=1e-12)
     printed = np.sin(theta) ** 2 * factor / BASELINE
     assert (np.sign(printed) == -np.sign(exact)).all()
     ours = turned(triangulate(rig(alpha=alpha, beta=beta), *pixels(phi, K * theta)), phi, K * theta)

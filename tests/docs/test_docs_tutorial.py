@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,7 @@ def promises(page: list[Block]) -> dict[int, str]:
     """Line of a block -> the text block that follows it directly, which is what it prints."""
     return {
         first.line: second.text
-        for first, second in zip(page, page[1:], strict=False)
+        for first, second in pairwise(page)
         if first.language in ("sh", "python") and second.language == "text" and second.follows
     }
 

@@ -139,7 +139,7 @@ def test_unusual_surveys_are_written_too(scan, tmp_path, options):
     write(tmp_path / "out", scan, **options)
     stations = options.get("stations", 3)
     profile, points = open_profile(tmp_path / "out").load(), open_points(tmp_path / "out").load()
-    assert profile.sizes == {"station": stations, "clock": 8, "mode": options.get("modes", 2)}
+    assert profile.sizes == {"station": stations, "clock": 8, "mode": options.get("modes", 2), "lag": 0}
     assert points.sizes["point"] == stations * options.get("points", 12)
     assert np.isfinite(profile["radius"]).sum() == 7 * stations
 

@@ -7,7 +7,7 @@ sensor wrote.
 
 from calibore.images._folder import ImageFolder
 from calibore.images._pattern import FIELDS, NamePattern
-from calibore.images._reading import LIMIT, UnreadableImage, image_size, read_image
+from calibore.images._reading import LIMIT, ImageFileError, image_size, read_image
 from calibore.images._source import ImageSource, Pixels, Refusal, StationImages
 from calibore.images._tables import Odometry, StationRow, read_odometry, read_station_table
 from calibore.images._video import CHANNELS, Video
@@ -16,6 +16,7 @@ __all__ = [
     "CHANNELS",
     "FIELDS",
     "LIMIT",
+    "ImageFileError",
     "ImageFolder",
     "ImageSource",
     "NamePattern",
@@ -24,7 +25,6 @@ __all__ = [
     "Refusal",
     "StationImages",
     "StationRow",
-    "UnreadableImage",
     "Video",
     "image_size",
     "read_image",

@@ -11,7 +11,7 @@ LIMIT = 1_000_000_000
 """Most bytes that one image may have, decoded or as a file."""
 
 
-class UnreadableImage(ImageError):
+class ImageFileError(ImageError):
     """A file that is not a usable image; `reason` says why and what to do without naming it again."""
 
     def __init__(self, path: Path, why: str) -> None:
@@ -39,8 +39,8 @@ def image_size(path: Path) -> tuple[int, int]:
         raise _image_error(path, error) from error
 
 
-def _image_error(path: Path, error: Exception) -> UnreadableImage:
+def _image_error(path: Path, error: Exception) -> ImageFileError:
     why = str(error)
-    if isinstance(error, OSError) and error.strerror:
-        why = f"it cannot be read ({error.strerror})"
-    return UnreadableImage(path, why)
+    if isinstance(error, OSError):
+        why = f"it cannot be read ({error.strerror or why.split(' (os error')[0]})"
+    return ImageFileError(path, why)

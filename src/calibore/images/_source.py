@@ -16,7 +16,7 @@ class StationImages:
     """The pictures taken at one station.
 
     `read(take)` gives the pixels of one of `takes`, or raises ImageError for this image alone; it may be called from
-    any thread, and for folders that is where the decoding happens. `names`: of each take, as a person would look for it.
+    any thread, and for folders that is where the decoding happens. `names`: each take as a person would look for it.
     """
 
     station: int

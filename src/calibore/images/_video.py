@@ -77,7 +77,10 @@ class Video:
                 yield _station(number, time, _pixels(frame, self.channel))
         if not usable:
             why = "; ".join(map(str, self.refusals)) or "it holds none"
-            raise InputError(f'Video "{self.path}" has no usable frame ({why.rstrip(".")}); give another recording or a longer table.')
+            raise InputError(
+                f'Video "{self.path}" has no usable frame ({why.rstrip(".")}); '
+                "give another recording or a longer table."
+            )
 
 
 class _Refusals:

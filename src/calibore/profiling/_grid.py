@@ -1,8 +1,8 @@
 """From some 1500 rays to the regular clock positions: weighted, with the noise that neighbouring rays share.
 
 The radius at a clock position is the weighted mean of the points within half a step of it, each moved there along the
-wall's local slope. A point that does not belong to the same piece of wall as the one nearest to the position (an edge runs
-through the step) is left out, so that an edge stays an edge.
+wall's local slope. A point that does not belong to the same piece of wall as the one nearest to the position (an edge
+runs through the step) is left out, so that an edge stays an edge.
 """
 
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ def clock_grid(positions: int = POSITIONS) -> Array:
 
 
 def grid_ring(take: TakePoints, covariance: Covariance, *, stripe: float | None, positions: int = POSITIONS) -> Ring:
-    """`take` on the clock grid. `stripe` [px]: stated standard uncertainty of a line position, instead of the observed."""
+    """`take` on the clock grid. `stripe` [px]: stated standard uncertainty of a line position, if not the observed."""
     step = 2 * np.pi / positions
     home = np.rint(take.clock / step).astype(np.intp) % positions
     offset = np.mod(take.clock - home * step + np.pi, 2 * np.pi) - np.pi

@@ -62,8 +62,8 @@ def _open_video(spec: ScanSpec, path: Path, *, channel: str, camera: Camera) -> 
     source = Video(path, channel, odometry)
     if (source.width, source.height) != (camera.width, camera.height):
         raise InputError(
-            f'Video "{path}" has frames of {source.width} x {source.height} px but the rig\'s camera has {camera.width} x '
-            f"{camera.height} px; use the rig file of the camera that took it."
+            f'Video "{path}" has frames of {source.width} x {source.height} px but the rig\'s camera has '
+            f"{camera.width} x {camera.height} px; use the rig file of the camera that took it."
         )
     if odometry is None:
         return source, channel, _by_station(spec)

@@ -13,7 +13,7 @@ from calibore.errors import InputError
 from calibore.images import ImageSource, StationImages
 from calibore.profiling._pipeline import in_order
 from calibore.profiling._placement import Placement, Placer, open_source
-from calibore.profiling._station import Job, StationRefused, StationResult, measure_station
+from calibore.profiling._station import Job, StationRefusedError, StationResult, measure_station
 from calibore.profiling._summary import Tally, summarise
 from calibore.profiling._take import search_region
 from calibore.rigs import Rig, read_rig
@@ -67,7 +67,10 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
     if spec.rig_path is None:
         raise InputError(f'{spec.folder / "scan.toml"} names no rig; add rig = "rig.toml".')
     rig = read_rig(spec.rig_path).with_default_uncertainty(spec.nominal_radius)
-    search = search_region(rig, spec.nominal_radius, inner=spec.search_inner, outer=spec.search_outer)
+    try:
+        search = search_region(rig, spec.nominal_radius, inner=spec.search_inner, outer=spec.search_outer)
+    except InputError as error:
+        raise InputError(f"{spec.folder / 'scan.toml'} and its rig file do not fit together: {error}") from error
     source, channel, place = open_source(spec, rig)
     covariance = rig.covariance or Covariance.independent({})
     return Job(rig, covariance, search, channel, estimator, spec.nominal_radius), source, place
@@ -79,14 +82,14 @@ def measure_scan(
     """Every usable station in order; what could not be used is counted and named in `tally`."""
     reading = _Reading(source, place, tally)
 
-    def work(item: tuple[StationImages, Placement]) -> StationResult | StationRefused:
+    def work(item: tuple[StationImages, Placement]) -> StationResult | StationRefusedError:
         try:
             return measure_station(*item, job)
-        except StationRefused as refused:
+        except StationRefusedError as refused:
             return refused
 
     for result in in_order(reading, work, workers=workers):
-        if isinstance(result, StationRefused):
+        if isinstance(result, StationRefusedError):
             tally.refuse(result.images)
         else:
             tally.add(result)

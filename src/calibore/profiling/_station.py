@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import ImageError
 from calibore.geometry import clock_of
-from calibore.images import Pixels, StationImages, UnreadableImage
+from calibore.images import ImageFileError, Pixels, StationImages
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._grid import Ring, grid_ring
 from calibore.profiling._placement import Placement
@@ -20,7 +20,7 @@ from calibore.scans import RingPoints, RingProfile, ScanSpec
 from calibore.uncertainty import Covariance, Quantity, propagate
 
 Array = NDArray[np.float64]
-NOT_LIT = "laser.takes in the rig file says that the laser is not lit in this take"
+NOT_LIT = "laser.takes in the rig file does not name this take; correct one of them"
 UNITS = {"area": "_m2", "clock": "_rad", "ovality": "_percent", "deflection": "_percent"}
 
 
@@ -51,7 +51,7 @@ class RefusedImage:
     reason: str
 
 
-class StationRefused(ImageError):
+class StationRefusedError(ImageError):
     """None of a station's images can be used."""
 
     def __init__(self, images: Sequence[RefusedImage]) -> None:
@@ -81,7 +81,7 @@ def measure_image(image: Pixels, job: Job) -> Ring:
 
 
 def measure_station(images: StationImages, placement: Placement, job: Job) -> StationResult:
-    """Everything of one station; raises StationRefused where none of its images can be used.
+    """Everything of one station; raises StationRefusedError where none of its images can be used.
 
     Takes in which the rig's laser is not lit (`Laser.takes`) are no part of it.
     """
@@ -97,10 +97,10 @@ def measure_station(images: StationImages, placement: Placement, job: Job) -> St
             takes.append(measure_take(picture, job.rig, job.search, channel=job.channel, estimator=job.estimator))
             numbers.append(number)
         except ImageError as error:
-            reason = error.reason if isinstance(error, UnreadableImage) else str(error)
+            reason = error.reason if isinstance(error, ImageFileError) else str(error)
             refused.append(RefusedImage(images.name(number), reason.rstrip(".")))
     if not takes:
-        raise StationRefused(refused)
+        raise StationRefusedError(refused)
     rings = [grid_ring(take, job.covariance, stripe=job.rig.stripe) for take in takes]
     ring, shared = combine_takes(rings)
     shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)

@@ -10,7 +10,7 @@ import numpy as np
 
 from calibore import __version__
 from calibore.images import Refusal, StationImages
-from calibore.profiling._missing import counted, gap_sentences, refused_sentence, some, unplaced_sentence
+from calibore.profiling._missing import gap_sentences, refused_sentence, some, unplaced_sentence
 from calibore.profiling._station import Job, RefusedImage, StationResult
 from calibore.scans import ScanSpec
 from calibore.status import MEANING, Status
@@ -31,7 +31,7 @@ COMPARED = ("diameter_mean_m", "ovality_f1216_max_percent", "ovality_f1216_min_p
 
 @dataclass
 class Tally:
-    """Counts what was measured and what could not be, station by station; of a station it keeps little but its number."""
+    """Counts what was measured and what could not be; of a station it keeps little more than its number."""
 
     stations: int = 0
     images: int = 0
@@ -198,8 +198,8 @@ def warnings_of(job: Job, tally: Tally) -> list[str]:
     found = []
     if job.rig.default_uncertainty:
         found.append(
-            "The rig file states no uncertainty of the baseline: +-0.1 % of the nominal radius is assumed, and everything "
-            "it does not mention (lens, principal point, tilt) is taken as exactly known."
+            "The rig file states no uncertainty of the baseline: +-0.1 % of the nominal radius is assumed, and "
+            "everything it does not mention (lens, principal point, tilt) is taken as exactly known."
         )
     if tally.unusable_images:
         found.append(refused_sentence(tally.unusable_images, tally.skipped))

@@ -13,6 +13,8 @@ from calibore.stripe import Stripe, detect_ring
 Array = NDArray[np.float64]
 OUTLINE = 128
 """Points with which the nominal ring is outlined in the image."""
+NARROWEST = 8.0
+"""Least width [px] of the annulus a ring is looked for in: twice the width of a line."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class TakePoints:
     """The rays of one image as wall points in the rig frame, n rays in order round the ring.
 
     `clock` [rad] is given for rays without a point too (interpolated). `along` (n,) [m/px]: radius per pixel along the
-    ray the peak was measured on, at fixed clock; `turn` (n,) [rad/px]: clock per pixel along it. `u_position` (n,) [px].
+    ray the peak was measured on, at fixed clock; `turn` (n,) [rad/px]: clock per pixel along it. `u_position` (n,) [px]
     """
 
     points: Triangulation
@@ -56,16 +58,19 @@ def search_region(rig: Rig, nominal_radius: float, *, inner: float, outer: float
         )
     centre = (float(u[seen].mean()), float(v[seen].mean()))
     near, far = (_distances(rig, nominal_radius * factor, centre) for factor in (inner, outer))
-    corners = np.array([[0, 0], [0, rig.camera.height], [rig.camera.width, 0], [rig.camera.width, rig.camera.height]])
+    right, low = rig.camera.width, rig.camera.height
+    corners = np.array([[0, 0], [0, low], [right, 0], [right, low]])
     corner = float(np.hypot(*(corners - centre).T).max())
     least = float(near.min()) if near.size else 0.0
-    most = float(far.max()) if far.size == OUTLINE else corner
-    if not least < min(most, corner):
+    most = min(float(far.max()) if far.size == OUTLINE else corner, corner)
+    search = Search(centre, least, most)
+    beside = float(np.hypot(*np.maximum(np.maximum(-np.array(centre), centre - corners[-1]), 0)))
+    if max(least, beside) + NARROWEST > most:
         raise InputError(
-            f"A pipe of radius {nominal_radius:g} m would lie outside the image of {rig.camera.width} x "
-            f"{rig.camera.height} px; check nominal_radius, baseline, lens and k."
+            f"A pipe of radius {nominal_radius:g} m leaves no room for its ring in the image of {rig.camera.width} x "
+            f"{rig.camera.height} px ({search}); check nominal_radius, baseline, lens, k and principal_point."
         )
-    return Search(centre, least, min(most, corner))
+    return search
 
 
 def _distances(rig: Rig, radius: float, centre: tuple[float, float]) -> Array:
@@ -105,7 +110,7 @@ def _exposure(image: NDArray[np.generic], channel: str) -> str:
     colours = ("red", "green", "blue")
     seen = image[:, :, colours.index(channel)] if image.ndim == 3 and channel in colours else image
     name = channel if image.ndim == 3 else "grey"
-    low, high, white = int(seen.min()), int(seen.max()), np.iinfo(image.dtype).max
+    low, high, white = int(seen.min()), int(seen.max()), 2 ** (8 * image.dtype.itemsize) - 1
     if low == high:
         return f"every {name} value is {low} of {white}"
     return f"{name} values {low} to {high} of {white}"

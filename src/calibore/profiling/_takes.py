@@ -1,7 +1,7 @@
 """Several takes of one station made one ring.
 
-Repeated images of one wall share their speckle, so their mean is not as good as 1/sqrt(n) promises. How much they share is
-seen in their differences: two takes whose difference scatters with s^2 times the sum of their variances have the
+Repeated images of one wall share their speckle, so their mean is not as good as 1/sqrt(n) promises. How much they share
+is seen in their differences: two takes whose difference scatters with s^2 times the sum of their variances have the
 correlation 1 - s^2.
 """
 

@@ -16,8 +16,9 @@ class RingProfile:
     """R(clock) of one station, n clock positions, m common modes; SI units.
 
     cov(radius) = diag(u_independent^2) + common_mode^T common_mode. Where nothing was measured `radius` is NaN and
-    `status` says why. `correlation` (k,) is that of the independent part at lags of 1 .. k clock steps. `centre_x`, `centre_y` are the fitted pipe centre in the rig frame. Raises ValueError when shapes
-    disagree, or when a status and its radius do.
+    `status` says why. `correlation` (k,) is that of the independent part at lags of 1 .. k clock steps. `centre_x`,
+    `centre_y` are the fitted pipe centre in the rig frame. Raises ValueError when shapes disagree, or when a status and
+    its radius do.
     """
 
     station: int
@@ -75,12 +76,12 @@ class RingPoints:
     status: NDArray[np.uint8]
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            kind = {"take": np.int64, "status": np.uint8}.get(field.name, np.float64)
-            value = _statuses(self.status) if field.name == "status" else np.asarray(getattr(self, field.name), kind)
-            object.__setattr__(self, field.name, value)
+        for name in (column.name for column in fields(self)):
+            kind = {"take": np.int64, "status": np.uint8}.get(name, np.float64)
+            value = _statuses(self.status) if name == "status" else np.asarray(getattr(self, name), kind)
+            object.__setattr__(self, name, value)
             if value.ndim != 1 or value.shape != self.x.shape:
-                raise ValueError(f"{field.name} must have the shape of x {self.x.shape}, got {value.shape}.")
+                raise ValueError(f"{name} must have the shape of x {self.x.shape}, got {value.shape}.")
         _agree(self.radius, self.status)
 
 

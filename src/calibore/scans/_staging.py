@@ -72,7 +72,11 @@ def check_destination(out: Path, identity: str) -> None:
 def _check_replaceable(out: Path, identity: str) -> None:
     summary = read_summary(out)
     if summary is None:
-        raise OutputError(f"{out} holds files that are not a result of this program; choose an empty or new folder.")
+        example = min(path.name for path in out.iterdir())
+        raise OutputError(
+            f'{out} holds files that are not a result of this program, for example "{example}"; '
+            "choose an empty or new folder."
+        )
     if summary["identity"] != identity:
         raise OutputError(
             f'{out} holds the result of another scan ("{summary.get("name", "")}"); '

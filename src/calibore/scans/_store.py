@@ -28,23 +28,31 @@ class GrowingGroup:
         sizes: Mapping[str, int],
         attributes: Mapping[str, Any],
     ) -> None:
-        import zarr
-
         self._folder, self._growing, self._rows = folder, growing, rows
+        self._variables, self._sizes, self._attributes = variables, sizes, attributes
         self._axis = {v.name: v.dimensions.index(growing) for v in variables if growing in v.dimensions}
+        self._fixed: dict[str, NDArray[Any]] = {}
         self._pending: list[Mapping[str, NDArray[Any]]] = []
         self._waiting = self._written = 0
-        group = zarr.create_group(folder, zarr_format=3, attributes=dict(attributes))
-        self._arrays = {v.name: self._create(group, v, sizes) for v in variables}
+        self._arrays: dict[str, Any] = {}
 
-    def _create(self, group: Any, variable: Variable, sizes: Mapping[str, int]) -> Any:
+    def _create(self, count: int) -> None:
+        """The arrays, as long as what is written first: a short survey is created once and never resized."""
+        import zarr
+
+        group = zarr.create_group(self._folder, zarr_format=3, attributes=dict(self._attributes))
+        self._arrays = {v.name: self._array(group, v, count) for v in self._variables}
+        for name, values in self._fixed.items():
+            self._arrays[name][:] = values
+
+    def _array(self, group: Any, variable: Variable, count: int) -> Any:
         from zarr.codecs import ZstdCodec
 
         growing_chunk = self._rows if len(variable.dimensions) > 1 else max(self._rows, SHORTEST_CHUNK)
         return group.create_array(
             variable.name,
-            shape=tuple(0 if d == self._growing else sizes[d] for d in variable.dimensions),
-            chunks=tuple(growing_chunk if d == self._growing else max(sizes[d], 1) for d in variable.dimensions),
+            shape=tuple(count if d == self._growing else self._sizes[d] for d in variable.dimensions),
+            chunks=tuple(growing_chunk if d == self._growing else max(self._sizes[d], 1) for d in variable.dimensions),
             dtype=variable.dtype,
             fill_value=float("nan") if variable.dtype.startswith("float") else 0,
             compressors=ZstdCodec(level=3),
@@ -53,8 +61,8 @@ class GrowingGroup:
         )
 
     def fill(self, name: str, values: NDArray[Any]) -> None:
-        """Write a variable that does not grow."""
-        self._arrays[name][:] = values
+        """Values of a variable that does not grow."""
+        self._fixed[name] = values
 
     def append(self, block: Mapping[str, NDArray[Any]]) -> None:
         """Add a block: one array per growing variable, of equal length along the growing dimension."""
@@ -68,7 +76,7 @@ class GrowingGroup:
         """Write what waits, and the consolidated metadata."""
         import zarr
 
-        if self._waiting:
+        if self._waiting or not self._arrays:
             self._write(self._waiting)
         with warnings.catch_warnings():
             # Zarr warns that consolidated metadata is not in the v3 specification yet; xarray reads and writes it.
@@ -78,13 +86,16 @@ class GrowingGroup:
 
     def _write(self, count: int) -> None:
         start, stop, rest = self._written, self._written + count, {}
+        if not self._arrays:
+            self._create(count)
         for name, axis in self._axis.items():
             array = self._arrays[name]
             values = np.concatenate(
                 [block[name] for block in self._pending], axis=axis, dtype=array.dtype, casting="same_kind"
             )
             now, rest[name] = np.split(values, [count], axis=axis)
-            array.resize(tuple(stop if i == axis else size for i, size in enumerate(array.shape)))
+            if array.shape[axis] < stop:
+                array.resize(tuple(stop if i == axis else size for i, size in enumerate(array.shape)))
             if now.size:
                 array[(slice(None),) * axis + (slice(start, stop),)] = now
         self._written, self._waiting = stop, self._waiting - count
