@@ -17,6 +17,7 @@ from calibore.errors import InputError
 from calibore.metrics import _definitions as definitions
 from calibore.metrics._draws import WallGrid, regular_size, wall_grid
 from calibore.metrics._shape import RingShape
+from calibore.metrics._sizes import EXTREMES, OVALITIES, corrected_extremes, linear_sizes, second_harmonic
 from calibore.metrics._wall import Wall, estimate_wall
 from calibore.uncertainty import Quantity
 
@@ -27,11 +28,7 @@ LEAST_POINTS = 8
 WIDEST_GAP = 1.5 * np.pi  # a quarter of the turn must be seen
 FEW_POINTS = 40
 LEAST_DIRECTIONS = 0.5
-SIGNIFICANT = 2.0
 OFF_CENTRE = 0.1  # of the radius
-LINEAR = ("diameter_mean", "area", "diameter_equivalent_area", "perimeter", "diameter_horizontal", "diameter_vertical")
-OVALITIES = ("ovality_f1216_max", "ovality_f1216_min", "ovality_range", "ovality_harmonic")
-EXTREMES = ("diameter_min", "diameter_max", *OVALITIES[:3])
 DEFLECTIONS = {"deflection": "min", "deflection_horizontal": "horizontal", "deflection_vertical": "vertical"}
 NOTHING = Quantity(np.nan, np.nan)
 
@@ -109,7 +106,7 @@ def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0
     both = grid.covered[: size // 2] & grid.covered[size // 2 : size]
     flags = _flags(wall, ring, grid, both)
     found = _measurable(
-        _in_metres(_linear(grid) | _corrected(grid, both) | _second_harmonic(grid), wall.scale), grid, flags
+        _in_metres(linear_sizes(grid) | corrected_extremes(grid, both) | second_harmonic(grid), wall.scale), grid, flags
     )
     found |= _clocks(grid, both, found, roll=roll) | _deflections(found, 2 * nominal_radius) | _circle(wall, grid)
     return RingQuantities(
@@ -167,7 +164,7 @@ def _deflections(found: dict[str, Quantity], nominal_diameter: float) -> dict[st
 
 
 def _circle(wall: Wall, grid: WallGrid) -> dict[str, Quantity]:
-    """Centre and diameter of the orthogonal-distance circle of the smooth wall: its harmonics one and zero."""
+    """The fitted centre, and the diameter of the circle about it: the zeroth harmonic of the smooth wall."""
     variance = np.diag(wall.fit.covariance)
     common = np.sum(grid.centre_modes**2, axis=0)
     common_radius = np.sum(grid.modes[:, : grid.regular].mean(axis=1) ** 2)
@@ -180,61 +177,6 @@ def _circle(wall: Wall, grid: WallGrid) -> dict[str, Quantity]:
         "centre_y": Quantity(float(y), float(u_y)),
         "diameter_circle": Quantity(2 * wall.scale * float(wall.fit.coefficients[0]), 2 * float(u_radius)),
     }
-
-
-def _corrected(grid: WallGrid, both: Mask) -> dict[str, tuple[float, float]]:
-    """Value and uncertainty of every extreme of the diameters, noise bias removed, in units of the wall's scale."""
-    diameters, again, possible = (grid.diameters(which) for which in ("best", "again", "possible"))
-    best = _extremes(diameters, both)
-    value = best - (_extremes(again, both).mean(axis=1, keepdims=True) - best)
-    value[2:] = np.maximum(value[2:], 0.0)
-    spread = np.mean((_extremes(possible, both) - value) ** 2, axis=1)
-    hidden = 0.0 if both.all() else _extremes(diameters, np.ones_like(both)) - best
-    taken = _extremes(grid.diameters("freed"), both) - best
-    u_mean = 2 * np.sqrt(np.sum(grid.edges.sum(axis=0) ** 2)) / grid.regular / diameters.mean()
-    through_mean = u_mean * np.array([0.0, 0.0, 100.0, 100.0, value[4, 0]])
-    u = np.sqrt(spread + (hidden**2 + taken**2)[:, 0] + through_mean**2)
-    return dict(zip(EXTREMES, zip(value[:, 0].tolist(), u.tolist(), strict=True), strict=True))
-
-
-def _extremes(diameters: Array, both: Mask) -> Array:
-    """The EXTREMES (5, b) of diameters (b, d) over directions measured at `both` ends (d,)."""
-    mean = diameters.mean(axis=1)
-    seen = diameters if both.all() else diameters[:, both]
-    least, most = (seen.min(axis=1), seen.max(axis=1)) if both.any() else (mean * np.nan, mean * np.nan)
-    return np.stack([least, most, 100 * (most / mean - 1), 100 * (1 - least / mean), 100 * (most - least) / mean])
-
-
-def _second_harmonic(grid: WallGrid) -> dict[str, tuple[float, float]]:
-    """ovality_harmonic of the estimated wall; what was taken off its amplitude as noise counts as uncertainty."""
-    n = grid.regular
-    angle = 4 * np.pi * np.arange(n) / n
-    project = 2 / n * np.stack([np.cos(angle), np.sin(angle)])
-    free, value = project @ grid.freed[:n], float(np.hypot(*(project @ grid.best[:n])))
-    walls, mean = np.column_stack([grid.possible, grid.edges])[:n], float(grid.best[:n].mean())
-    factors = project @ walls - np.outer(free, walls.mean(axis=0)) / mean
-    covariance = factors @ factors.T
-    largest, size = float(np.linalg.eigvalsh(covariance)[-1]), float(np.hypot(*free))
-    along = float(free @ covariance @ free) / size**2 if size > SIGNIFICANT * np.sqrt(largest) else largest
-    unit = 100 / mean
-    return {"ovality_harmonic": (value * unit, float(np.sqrt(along + (size - value) ** 2)) * unit)}
-
-
-def _linear(grid: WallGrid) -> dict[str, tuple[float, float]]:
-    """Value and uncertainty of means, sizes and single diameters: exact linear sensitivities to the wall."""
-    n = grid.regular
-    turn = grid.best[:n]
-    rows = np.zeros((6, grid.best.size))
-    wall_area = float(definitions.area(turn))
-    equivalent = float(definitions.diameter_equivalent_area(wall_area))
-    rows[0, :n] = 2 / n
-    rows[1, :n] = 2 * np.pi * turn / n
-    rows[2] = rows[1] * equivalent / (2 * wall_area)
-    rows[3, :n] = definitions.perimeter_gradient(turn)
-    rows[4, n : n + 2] = rows[5, n + 2 :] = 1.0
-    values = [2 * turn.mean(), wall_area, equivalent, definitions.perimeter(turn), *(rows[4:] @ grid.best)]
-    u = np.sqrt(np.sum((rows @ np.column_stack([grid.possible, grid.edges])) ** 2, axis=1))
-    return {name: (float(v), float(w)) for name, v, w in zip(LINEAR, values, u, strict=True)}
 
 
 def _clock(grid: WallGrid, both: Mask, sign: int, *, roll: float) -> Quantity:

@@ -1,8 +1,5 @@
 """The wall estimated from one ring: its centre, its shape about that centre, and what is not known of both.
 
-The centre is that of the orthogonal-distance circle through the wall without its features, freed of ovality: points off
-a circle with a second harmonic lose their weight (Tukey), so that neither a dent nor an opening pulls the centre, and with
-an arc missing the circle does not follow the ovality into the gap.
 Radii are referred to the centre point by point: an off-centre rig moves them in angle as well as in length.
 """
 
@@ -11,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.errors import InputError
 from calibore.geometry import clock_of, fit_circle, xy_of
+from calibore.metrics._centre import robust_centre, spread
 from calibore.metrics._features import Feature, feature_between, lone_points, sharp_jumps, split_runs, stretches
 from calibore.metrics._harmonics import HarmonicFit, fit_harmonics, harmonic_basis, harmonic_count, harmonic_slope
 from calibore.metrics._noise import Noise
@@ -21,17 +18,11 @@ from calibore.metrics._shape import RingShape
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-CENTRE_HARMONICS = 2
-TUKEY = 4.685  # 95 % efficient on normal noise, no weight beyond
-MOSTLY = 0.85  # share of points on the circle below which an ordinary start is not to be trusted
-CENTRE_ROUNDS, TUKEY_ROUNDS = 12, 8
-RIDGE = 1e-9  # keeps a few points on a short arc solvable
 START_HARMONICS = 6
 START_ROUNDS = 4
 START_RIDGE = 1e-3  # harmonics that a missing arc leaves open stay small
 CAUCHY = 2.5
 PASSES = 5
-CENTRED = 1e-7  # of the radius
 LEAST_SIGMA = 1e-6  # of the radius: exact radii must not divide by zero
 LEAST_PROJECTION = 0.2
 LEAST_RADIUS = 0.1
@@ -141,10 +132,7 @@ def estimate_wall(ring: RingShape) -> Wall:
     circle = fit_circle(points)
     sigma = np.maximum(np.where(used, ring.u_independent, 0.0) / circle.radius, LEAST_SIGMA)
     stated = _Stated(ring, circle.radius, sigma)
-    centre, kept = _robust_centre(stated, circle.centre / circle.radius)
-    if kept < MOSTLY:
-        centre, _ = _robust_centre(stated, fit_circle(points, robust=True).centre / circle.radius)
-    guess = _robust_start(stated, centre)
+    guess = _robust_start(stated, robust_centre(points / circle.radius, sigma[used]))
     wall, better = _pass(stated, guess)
     for _ in range(PASSES - 1):
         same = (better.featured == guess.featured).all() and (better.used == guess.used).all()
@@ -189,57 +177,11 @@ def _robust_start(stated: _Stated, centre: Array) -> _Guess:
         weighted = basis.T * weights
         coefficients = np.linalg.solve(weighted @ basis + used.sum() * ridge, weighted @ polar.radius)
         off = np.where(used, polar.radius - basis @ coefficients, 0.0)
-        spread = _spread(off[used]) + LEAST_SIGMA
-        weights = np.where(used, (1 + (off / (CAUCHY * spread)) ** 2) ** -2.0, 0.0)
+        scatter = spread(off[used]) + LEAST_SIGMA
+        weights = np.where(used, (1 + (off / (CAUCHY * scatter)) ** 2) ** -2.0, 0.0)
     off = off / stated.sigma
-    featured = stretches(off / max(1.0, _spread(off[used])), used, Noise(stated.sigma, stated.ring.correlation))
+    featured = stretches(off / max(1.0, spread(off[used])), used, Noise(stated.sigma, stated.ring.correlation))
     return _Guess(centre, used, featured, np.zeros(used.size))
-
-
-def _robust_centre(stated: _Stated, centre: Array) -> tuple[Array, float]:
-    """Centre (2,) of the circle with a second harmonic on which the points lie that are not features, from a start at
-    `centre`; and the share of points that kept some weight.
-    """
-    used = stated.ring.measured
-    coefficients, kept = np.zeros(2 * CENTRE_HARMONICS + 1), 1.0
-    for _ in range(CENTRE_ROUNDS):
-        polar = stated.about(centre)
-        basis, radius = harmonic_basis(polar.angle, CENTRE_HARMONICS)[used], polar.radius[used]
-        if coefficients[0] == 0:
-            coefficients[0] = np.median(radius)
-        coefficients, kept = _tukey_fit(basis, radius, coefficients, sigma=stated.sigma[used])
-        shift = np.array([coefficients[2], -coefficients[1]])
-        centre, coefficients[1:3] = centre + shift, 0.0
-        if np.abs(shift).max() < CENTRED:
-            break
-    if not np.hypot(*centre) < 1:
-        raise InputError("The rig axis lies outside the circle through the points; there is no ring round it.")
-    return centre, kept
-
-
-def _tukey_fit(basis: Array, radius: Array, start: Array, *, sigma: Array) -> tuple[Array, float]:
-    """Coefficients (p,) of `basis` (n, p) for `radius` (n,) with Tukey's weights, from `start`; share of points kept."""
-    coefficients, weights = start, np.ones(radius.size)
-    ridge = RIDGE * radius.size * np.eye(start.size)
-    for _ in range(TUKEY_ROUNDS):
-        off = radius - basis @ coefficients
-        weights = _tukey(off, _spread(off) + sigma)
-        weighted = basis.T * weights
-        step = np.linalg.solve(weighted @ basis + ridge, weighted @ off)
-        coefficients = coefficients + step
-        if np.abs(step).max() < CENTRED:
-            break
-    return coefficients, float(np.mean(weights > 0))
-
-
-def _tukey(off: Array, spread: Array) -> Array:
-    return np.clip(1 - (off / (TUKEY * spread)) ** 2, 0.0, None) ** 2
-
-
-def _spread(values: Array) -> float:
-    """Standard deviation by the median absolute value."""
-    size = np.abs(values)
-    return 1.4826 * float(np.partition(size, size.size // 2)[size.size // 2])
 
 
 def _excess(off: Array, plain: Mask, correlation: Array) -> float:
@@ -248,5 +190,5 @@ def _excess(off: Array, plain: Mask, correlation: Array) -> float:
     if pairs.sum() < FEWEST_PAIRS:
         return 1.0
     expected = np.sqrt(2 * max(1 - (correlation[0] if correlation.size else 0.0), 0.05))
-    excess = _spread((np.roll(off, -1) - off)[pairs]) / expected
+    excess = spread((np.roll(off, -1) - off)[pairs]) / expected
     return excess if excess > EXCESS_NOISE else 1.0
