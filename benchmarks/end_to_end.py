@@ -8,9 +8,10 @@ import cv2
 import numpy as np
 
 from benchmarks.peers import opencv_script
-from benchmarks.surveys import PLANE, image_paths
+from benchmarks.surveys import PLANE, image_paths, stated_rig
 from benchmarks.timing import compare
-from calibore.profiling import Tally, measure_scan, prepare, profile_scan
+from calibore.images import read_image
+from calibore.profiling import Job, Ring, Tally, in_order, measure_image, measure_scan, prepare, profile_scan
 from calibore.scans import read_scan
 
 REFERENCE = "OpenCV imread + warpPolar + NumPy, radii only"
@@ -33,10 +34,16 @@ def _report(workers: int, rounds: int, folder: Path) -> list[str]:
         results = measure_scan(job, source, place, workers=workers, tally=Tally())
         return {result.profile.station: result.profile.radius / INCH for result in results}
 
+    def radii() -> list[Ring]:
+        rig, nominal = stated_rig()
+        job = Job.of(rig, nominal)
+        return list(in_order(paths, lambda path: measure_image(read_image(path), job), workers=workers))
+
     def written() -> None:
         profile_scan(PLANE, folder / f"{next(numbers)}", workers=workers)
 
     contestants = {
+        "calibore, radii with uncertainties (the same job)": radii,
         "calibore, rings with all quantities and uncertainties": measured,
         "calibore, the same written to OUT": written,
         REFERENCE: lambda: opencv_script.profile(paths),

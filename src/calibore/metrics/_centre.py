@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import InputError
-from calibore.geometry import clock_of, fit_circle
+from calibore.geometry import clock_of
 from calibore.metrics._harmonics import harmonic_basis
 
 Array = NDArray[np.float64]
@@ -20,12 +20,13 @@ SETTLED = 1e-7  # of the radius
 RIDGE = 1e-9  # keeps a few points on a short arc solvable
 
 
-def robust_centre(points: Array, sigma: Array) -> Array:
-    """Centre (2,) of the ring through `points` (n, 2) with standard uncertainties `sigma` (n,), mean radius about 1.
+def robust_centre(points: Array, sigma: Array, *, start: Array) -> Array:
+    """Centre (2,) of the ring through `points` (n, 2) with standard uncertainties `sigma` (n,), mean radius about 1,
+    from a `start` that features have not misled.
 
     Raises InputError where the points go round a centre that leaves the origin, the rig axis, outside.
     """
-    centre = _descend(points, sigma, fit_circle(points, robust=True).centre)
+    centre = _descend(points, sigma, start)
     if not np.hypot(*centre) < 1:
         raise InputError("The rig axis lies outside the circle through the points; there is no ring round it.")
     return centre

@@ -101,7 +101,8 @@ def sharp_jumps(values: Array, sigma: Array) -> Mask:
     high = jumps > 2 * EDGE * sigma
     if not high.any():
         return high
-    around = np.median([np.roll(jumps, shift) for shift in range(-BESIDE, BESIDE + 1)], axis=0)
+    beside = (np.arange(jumps.size)[:, None] + np.arange(-BESIDE, BESIDE + 1)) % jumps.size
+    around = np.median(jumps[beside], axis=1)
     return high & (jumps > EDGE * around)
 
 

@@ -129,10 +129,11 @@ def estimate_wall(ring: RingShape) -> Wall:
     """The wall of a ring with at least 8 measured points; passes of fitting, centring and finding features."""
     used = ring.measured
     points = np.column_stack(xy_of(ring.clock[used], ring.radius[used]))
-    circle = fit_circle(points)
-    sigma = np.maximum(np.where(used, ring.u_independent, 0.0) / circle.radius, LEAST_SIGMA)
-    stated = _Stated(ring, circle.radius, sigma)
-    guess = _robust_start(stated, robust_centre(points / circle.radius, sigma[used]))
+    circle = fit_circle(points, robust=True)
+    scale = circle.radius
+    sigma = np.maximum(np.where(used, ring.u_independent, 0.0) / scale, LEAST_SIGMA)
+    stated = _Stated(ring, scale, sigma)
+    guess = _robust_start(stated, robust_centre(points / scale, sigma[used], start=circle.centre / scale))
     wall, better = _pass(stated, guess)
     for _ in range(PASSES - 1):
         same = (better.featured == guess.featured).all() and (better.used == guess.used).all()
