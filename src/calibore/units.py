@@ -1,15 +1,21 @@
 """Quantities with units at the edge: `"13.10 in"` becomes 0.33274 m; inside the program everything is SI."""
 
+import re
 from functools import cache, lru_cache
 from typing import Any
 
 from calibore.errors import InputError
 
 DIMENSIONS = {
-    "length": ("m", "a length such as \"150 mm\" or \"6 in\""),
-    "angle": ("rad", "an angle such as \"1.5 deg\" or \"26 mrad\""),
-    "time": ("s", "a time such as \"0.2 s\""),
+    "length": ("m", 'a length such as "150 mm" or "6 in"'),
+    "angle": ("rad", 'an angle such as "1.5 deg" or "26 mrad"'),
+    "time": ("s", 'a time such as "0.2 s"'),
 }
+
+_NUMBER_AND_UNIT = re.compile(
+    r"([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?|[-+]?(?:nan|inf))\s*([^\W\d_]*|°)", flags=re.IGNORECASE
+)
+"""Left to pint, "1,5 mm" would be 15 mm, "1 1/2 in" half an inch, and "9**9**9 m" computed for ever."""
 
 
 @cache
@@ -28,13 +34,16 @@ def parse_quantity(text: str, dimension: str) -> float:
     Raises InputError naming the text and what is expected.
     """
     unit, example = DIMENSIONS[dimension]
+    written = _NUMBER_AND_UNIT.fullmatch(text.strip())
+    if written is None:
+        raise InputError(f'"{text}" is not {example} (one number with a decimal point, and its unit).')
+    number, symbol = written.groups()
+    if not symbol:
+        raise InputError(f'"{text}" has no unit; write {example}.')
     try:
-        quantity = _registry().Quantity(text.strip())
-        if not quantity.unitless:
-            return float(quantity.to(unit).magnitude)
-    except Exception as error:  # pint raises half a dozen unrelated types, and tokenize errors, on bad text
+        return float(_registry().Quantity(float(number), symbol).to(unit).magnitude)
+    except Exception as error:  # pint raises half a dozen unrelated types on what it does not know
         raise InputError(f'"{text}" is not {example}.') from error
-    raise InputError(f'"{text}" has no unit; write {example}.')
 
 
 def format_length(metres: float, unit: str = "mm", *, digits: int = 3) -> str:

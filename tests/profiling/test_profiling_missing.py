@@ -23,9 +23,9 @@ def test_long_lists_end_with_how_many_more_there_are():
     assert some([1, 2], 50) == "1, 2 and 48 more"
 
 
-@pytest.mark.parametrize("step", [1, 2, 5, -1])
+@pytest.mark.parametrize("step", [1, 2, 5])
 def test_a_regular_numbering_has_no_gaps_whatever_its_step(step):
-    assert sentences(sorted(range(10, 10 + 20 * step, step))) == []
+    assert sentences(range(10, 10 + 20 * step, step)) == []
 
 
 def test_every_station_missing_from_a_regular_numbering_is_named():

@@ -68,11 +68,10 @@ def test_a_failure_ends_the_work_and_nothing_is_drawn_any_more(workers):
             raise OSError("the disk has gone")
         return number
 
-    taken = []
+    results = in_order(items(), work, workers=workers)
+    assert [next(results) for _ in range(5)] == [0, 1, 2, 3, 4]
     with pytest.raises(OSError, match="the disk has gone"):
-        for result in in_order(items(), work, workers=workers):
-            taken.append(result)  # noqa: PERF402 as far as it comes
-    assert taken == [0, 1, 2, 3, 4]
+        next(results)
     assert len(drawn) <= 6 + AHEAD * workers
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("calibore")]
 

@@ -81,7 +81,7 @@ def test_what_file_browsers_and_exports_leave_does_not_stand_in_the_way(out, sca
 def test_a_folder_of_other_files_is_refused(out, scan):
     out.mkdir()
     (out / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match="holds files that are not a result of this program, for example .*; choose an empty or new"):
+    with pytest.raises(OutputError, match=r'not a result of this program, for example "thesis.tex"; choose an'):
         ResultWriter(out, read_scan(scan))
     (out / "summary.json").write_text('{"format": "calibore-result/1", "broken')
     with pytest.raises(OutputError, match="not a result of this program"):

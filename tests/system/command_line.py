@@ -41,8 +41,7 @@ def calibore(*arguments: object) -> Outcome:
         try:
             main()
         except SystemExit as leaving:
-            assert isinstance(leaving.code, int)
-            status = leaving.code
+            status = int(leaving.code or 0)
     return Outcome(status, out.getvalue(), err.getvalue())
 
 

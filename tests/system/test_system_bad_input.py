@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 from command_line import Outcome, calibore, outcome_of, profile, started, stray_files
+from PIL import Image
 
 from calibore.scans import open_profile, read_rings
 from calibore.simulation import Sensor
@@ -27,8 +28,6 @@ def images(scan: Path) -> list[Path]:
 
 def replace(path: Path, pixels: np.ndarray | bytes) -> None:
     """Another picture, or any bytes, under the name of this one (which may be a link)."""
-    from PIL import Image
-
     path.unlink()
     if isinstance(pixels, bytes):
         path.write_bytes(pixels)
@@ -201,6 +200,25 @@ def test_images_refused_for_one_reason_are_named_together(scan):
     assert "3 images could not be used: pipe 001 0.png, pipe 002 0.png, pipe 003 0.png (it is empty" in outcome.err
 
 
+@pytest.mark.parametrize("option", ["--pictures", "--json"])
+def test_a_line_seen_on_a_third_of_the_ring_is_measured_but_not_judged(scan, option):
+    row, column = np.mgrid[:240, :320]
+    hidden = np.mod(np.degrees(np.arctan2(column - 160, 120 - row)), 360) > 120
+    for image in images(scan):
+        pixels = np.array(Image.open(image))
+        pixels[hidden] = 3
+        replace(image, pixels)
+    outcome = calibore("profile", scan, "--out", scan.parent / "out", option)
+    assert outcome.status == DONE
+    assert "Less than 50 % of the ring was measured at 4 stations: 0, 1, 2, 3." in outcome.err
+    if option == "--json":
+        summary = json.loads(outcome.out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+        assert summary["worst_stations"][0]["deflection_percent"] is None
+    else:
+        assert "nan" not in outcome.out
+        assert (scan.parent / "out" / "report.html").exists()
+
+
 def test_with_json_the_warnings_go_to_standard_error_and_the_result_stays_machine_readable(scan):
     replace(images(scan)[0], b"")
     outcome = profile(scan, "--json")
@@ -266,6 +284,7 @@ MISTAKES = {
     "unknown key": ("scan.toml", r"\[motion\]", "[motion]\nspeed = 3", ("key motion.speed", "allowed here: angular")),
     "wrong unit": ("scan.toml", '"0.1524 m"', '"6 kg"', ("pipe.nominal_radius = '6 kg'", 'such as "150 mm"')),
     "no unit": ("scan.toml", '"0.1524 m"', "6", ("pipe.nominal_radius = 6", "no unit", '"6 mm"')),
+    "decimal comma": ("scan.toml", '"0.1524 m"', '"152,4 mm"', ('"152,4 mm" is not a length', "decimal point")),
     "negative radius": ("scan.toml", '"0.1524 m"', '"-6 in"', ("nominal_radius = '-6 in'", "greater than 0")),
     "negative baseline": ("rig.toml", '"0.33274 m"', '"-13 in"', ("laser.baseline = '-13 in'", "greater than 0")),
     "NaN radius": ("scan.toml", '"0.1524 m"', '"nan m"', ("pipe.nominal_radius = nan", "finite")),
@@ -283,7 +302,12 @@ MISTAKES = {
     "broken TOML": ("scan.toml", r"\[pipe\]", "[pipe", ("is not valid TOML", "line 5", "Correct that line")),
     "broken TOML of the rig": ("rig.toml", r"\[camera\]", "camera]", ("is not valid TOML", "line 4", "Correct that")),
     "format of a later version": ("scan.toml", "scan/1", "scan/2", ("format = 'calibore-scan/2'", '"calibore-scan/1"')),
-    "rig that is not there": ("scan.toml", '"rig.toml"', '"ring.toml"', ('rig = "ring.toml"', "names no existing file")),
+    "rig that is not there": (
+        "scan.toml",
+        '"rig.toml"',
+        '"ring.toml"',
+        ('rig = "ring.toml"', "names no existing file"),
+    ),
     "unknown field": ("scan.toml", "{take}", "{stop}", ("images.pattern", "field {stop} is not known", "allowed")),
     "unknown channel": ("rig.toml", '"red"', '"purple"', ("laser.channel = 'purple'", "'red'")),
     "step zero": ("scan.toml", 'step = "0.05 m"', 'step = "0 m"', ("motion.axial.step = '0 m'", "give the distance")),

@@ -1,95 +1,143 @@
-//! Peaks on one ray: where the slope fitted to a window of samples turns from rising to falling.
+//! Peaks on one ray: where the slope fitted to a window of samples turns from rising to falling (see the Python module `_scan`).
 
-use super::refine::refine;
 use super::sampling::Trace;
-use super::{Peak, Settings};
+use super::settings::Settings;
 
 const FULL_WIDTH: f64 = 2.354820045;
-pub const SATURATED_FROM: f64 = 0.97;
+const SATURATED_SAMPLES: usize = 2;
+const NOWHERE: usize = usize::MAX;
 
-/// All peaks of the ray in `trace`, in order along the ray.
-pub fn peaks(trace: &Trace, settings: &Settings, found: &mut Vec<Peak>) {
-    found.clear();
-    let window = settings.window;
-    let samples = trace.value.len();
-    if samples <= window {
-        return;
+/// A peak that stands out (see the Python class `Standing`); `base` is the higher background of its two sides.
+#[derive(Clone, Copy, Default)]
+pub struct Standing {
+    pub position: f64,
+    pub fraction: f64,
+    pub height: f64,
+    pub background: f64,
+    pub rise: f64,
+    pub fall: f64,
+    pub base: f64,
+    pub saturated: bool,
+}
+
+impl Standing {
+    /// Gaussian sigma from the full width at half height.
+    pub fn width(&self) -> f64 {
+        (self.fall - self.rise) / FULL_WIDTH
     }
-    let half = (window - 1) as f64 / 2.0;
-    let mut next = 0;
-    for &(first, last) in &trace.stretches {
-        let from = first.saturating_sub(window / 2 + 3).max(next);
-        let to = (last + 3).saturating_sub(window / 2).min(samples - window - 1);
-        let mut before = f64::NAN;
-        for start in from..=to.max(from) {
-            if start + window >= samples || start > to {
-                break;
+}
+
+/// Samples beyond a bright stretch that finding and refining its peaks may look at.
+pub fn margin(settings: &Settings) -> usize {
+    settings.reach().max(settings.half_fit()).max(settings.window / 2 + 3) + 1
+}
+
+/// Finds the peaks on many rays under the same settings.
+pub struct Finder<'a> {
+    settings: &'a Settings,
+    /// Distances of a window's samples from its middle, the outermost pair first.
+    lever: Vec<f64>,
+}
+
+impl<'a> Finder<'a> {
+    pub fn new(settings: &'a Settings) -> Self {
+        let half = (settings.window - 1) as f64 / 2.0;
+        Finder { settings, lever: (0..settings.window / 2).map(|k| half - k as f64).collect() }
+    }
+
+    /// All peaks of the ray in `trace` that stand out, in order along the ray.
+    pub fn standing(&self, trace: &Trace, mut found: impl FnMut(Standing)) {
+        let window = self.settings.window;
+        let windows = (trace.value.len() + 1).saturating_sub(window);
+        let half = (window - 1) as f64 / 2.0;
+        let values = &trace.value[..];
+        let mut next = 0;
+        for (number, &(first, last)) in trace.stretches.iter().enumerate() {
+            // a peak one sample beside the stretch still counts as lit; one window more on each side for rounding
+            let from = first.saturating_sub(window / 2 + 2).max(next);
+            let to = (last + 4).saturating_sub(window / 2).min(windows);
+            if from + 1 >= to {
+                continue;
             }
-            if before.is_nan() {
-                before = slope(&trace.value[start..start + window], half);
-            }
-            let after = slope(&trace.value[start + 1..start + 1 + window], half);
-            if before > 0.0 && after <= 0.0 {
-                let fraction = before / (before - after);
-                let position = start as f64 + half + fraction;
-                if lit(trace, position) {
-                    found.extend(describe(&trace.value, position, fraction, settings));
+            let mut before = f64::NAN;
+            for (start, samples) in (from..to).zip(values[from..].windows(window)) {
+                let after = self.slope(samples);
+                if (before > 0.0) & (after <= 0.0) {
+                    let fraction = before / (before - after);
+                    let position = (start - 1) as f64 + half + fraction;
+                    if lit(&trace.stretches[number..], position) {
+                        describe(values, position, fraction, self.settings).map(&mut found);
+                    }
                 }
+                before = after;
             }
-            before = after;
-            next = start + 1;
+            next = to - 1;
+        }
+    }
+
+    /// Fitted slope times a positive constant: the window's samples by their distance from its middle.
+    #[inline(always)]
+    fn slope(&self, window: &[f64]) -> f64 {
+        let pairs = |levers: &[f64], samples: &[f64]| -> f64 {
+            let sides = samples.iter().zip(samples.iter().rev());
+            levers.iter().zip(sides).map(|(lever, (left, right))| lever * (right - left)).sum()
+        };
+        // the usual windows have their own copies of the loop, of known length
+        match (&self.lever[..], window) {
+            (levers @ [_, _, _], samples @ [_, _, _, _, _, _]) => pairs(levers, samples),
+            (levers @ [_, _, _, _], samples @ [_, _, _, _, _, _, _, _]) => pairs(levers, samples),
+            (levers, samples) => pairs(levers, samples),
         }
     }
 }
 
-fn slope(window: &[f64], half: f64) -> f64 {
-    window.iter().enumerate().map(|(k, y)| (k as f64 - half) * y).sum()
-}
-
-fn lit(trace: &Trace, position: f64) -> bool {
+/// Whether the sample at `position` or one beside it is bright; `stretches` from the first that may hold it.
+fn lit(stretches: &[(usize, usize)], position: f64) -> bool {
     let middle = (position + 0.5) as usize;
-    let last = trace.bright.len() - 1;
-    trace.bright[middle] || trace.bright[middle.saturating_sub(1)] || trace.bright[(middle + 1).min(last)]
+    stretches.iter().take_while(|(first, _)| *first <= middle + 1).any(|(_, last)| middle <= last + 1)
 }
 
-/// One candidate refined, or none where it does not stand out.
-fn describe(y: &[f64], position: f64, fraction: f64, settings: &Settings) -> Option<Peak> {
+/// One candidate described, or none where it does not stand out.
+fn describe(y: &[f64], position: f64, fraction: f64, settings: &Settings) -> Option<Standing> {
     let (middle, whole) = ((position + 0.5) as usize, position as usize);
-    let (low, high) = (middle.saturating_sub(settings.reach), (middle + settings.reach).min(y.len() - 1));
+    let (low, high) = (middle.saturating_sub(settings.reach()), (middle + settings.reach()).min(y.len() - 1));
     let (left, right) = (least(&y[low..=middle]), least(&y[middle..=high]));
-    let background = left.max(right);
+    let base = left.max(right);
     let top = y[whole] + (y[whole + 1] - y[whole]) * (position - whole as f64);
-    let height = top - background;
+    let height = top - base;
     if !(height >= settings.prominence) || top < settings.threshold {
         return None;
     }
-    let half = background + 0.5 * height;
-    let rise = half_height(y, middle, half, low);
-    let fall = half_height(y, middle, half, high);
-    let white = SATURATED_FROM * settings.saturation;
-    let saturated = y[low..=high].iter().filter(|&&v| v >= white).count() >= 2;
-    let (place, u) = refine(y, position, fraction, height, 0.5 * (left + right), (rise, fall), settings)?;
-    Some(Peak { position: place, height, background, width: (fall - rise) / FULL_WIDTH, u, saturated })
+    let half = base + 0.5 * height;
+    let (rise, fall) = edges(y, middle, half, low, high);
+    let white = settings.saturated_from();
+    let saturated = y[low..=high].iter().filter(|&&v| v >= white).count() >= SATURATED_SAMPLES;
+    Some(Standing { position, fraction, height, background: 0.5 * (left + right), rise, fall, base, saturated })
 }
 
 fn least(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::NAN, f64::min)
+    // NaN compares false, so samples outside the picture do not count
+    values.iter().fold(f64::INFINITY, |least, &v| if v < least { v } else { least })
 }
 
-/// Where the line falls to `level` on the way from `middle` to `end`; `end` itself where it does not.
-fn half_height(y: &[f64], middle: usize, level: f64, end: usize) -> f64 {
-    let step: isize = if end > middle { 1 } else { -1 };
-    let mut k = middle;
-    while k != end {
-        let beyond = y[(k as isize + step) as usize];
-        if beyond < level {
-            let crossed = if y[k] >= level { ((y[k] - level) / (y[k] - beyond)).max(0.0) } else { 0.0 };
-            return k as f64 + step as f64 * crossed;
-        }
-        if !beyond.is_finite() {
-            return k as f64;
-        }
-        k = (k as isize + step) as usize;
+/// Places where the line falls to `level` before and after `middle`, at most from `low` to `high`; the sample before where it leaves the
+/// picture. All samples are looked at, because a loop that ends early is harder to foresee.
+fn edges(y: &[f64], middle: usize, level: f64, low: usize, high: usize) -> (f64, f64) {
+    let (mut rise, mut fall) = (NOWHERE, NOWHERE);
+    for (k, &value) in (low..middle).zip(&y[low..middle]) {
+        rise = if value >= level { rise } else { k };
     }
-    end as f64
+    for (k, &value) in (middle + 1..high + 1).zip(&y[middle + 1..=high]).rev() {
+        fall = if value >= level { fall } else { k };
+    }
+    let share = |from: usize, to: usize| {
+        let crossed = (y[from] - level) / (y[from] - y[to]);
+        if y[to].is_finite() && y[from] >= level {
+            crossed.max(0.0)
+        } else {
+            0.0
+        }
+    };
+    let rise = if rise == NOWHERE { low as f64 } else { (rise + 1) as f64 - share(rise + 1, rise) };
+    (rise, if fall == NOWHERE { high as f64 } else { (fall - 1) as f64 + share(fall - 1, fall) })
 }

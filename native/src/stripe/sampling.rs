@@ -1,118 +1,165 @@
-//! Brightness along a ray: bilinear where a peak may be, nearest pixel to find where that is.
+//! Brightness along a ray: nearest pixel to find where a peak may be, bilinear there (see the Python module `_picture`).
 
-/// One colour band of an image in memory: `data[(row * width + column) * step + band]`.
+use super::rays::{Track, ONE};
+
+/// A grey value of 8 or 16 bits.
+pub trait Grey: Copy + Into<f64> + Into<i64> + Into<u32> + TryFrom<u32> + Default + Send + Sync {
+    const WHITE: u32;
+
+    #[inline(always)]
+    fn level(self) -> u32 {
+        self.into()
+    }
+}
+
+impl Grey for u8 {
+    const WHITE: u32 = 255;
+}
+
+impl Grey for u16 {
+    const WHITE: u32 = 65535;
+}
+
+/// One colour band of an image in memory: `data[(row * width + column) * bands + band]`.
 pub struct Plane<'a, T> {
     pub data: &'a [T],
     pub width: usize,
     pub height: usize,
-    pub step: usize,
+    pub bands: usize,
     pub band: usize,
 }
 
-impl<T: Copy + Into<f64>> Plane<'_, T> {
+impl<T: Grey> Plane<'_, T> {
+    /// Where in `data` a pixel of the band lies.
     #[inline(always)]
-    fn pixel(&self, column: usize, row: usize) -> f64 {
-        self.data[(row * self.width + column) * self.step + self.band].into()
+    pub fn index(&self, column: usize, row: usize) -> usize {
+        (row * self.width + column) * self.bands + self.band
     }
 
+    /// Where in `data` the pixel nearest to a place in fixed point lies that is inside.
     #[inline(always)]
-    fn contains(&self, column: f64, row: f64) -> bool {
-        column >= 0.0 && row >= 0.0 && column <= (self.width - 1) as f64 && row <= (self.height - 1) as f64
+    pub fn nearest_index(&self, [column, row]: [i64; 2]) -> usize {
+        const HALF: i64 = ONE / 2;
+        self.index(((column + HALF) >> 32) as usize, ((row + HALF) >> 32) as usize)
     }
 
-    /// Bilinear brightness, NaN outside.
+    /// Bilinear brightness at a place in fixed point that is inside, exact for places rounded down to 2^-16 px. Places on the last column
+    /// or row need `EDGE`.
     #[inline(always)]
-    pub fn bilinear(&self, column: f64, row: f64) -> f64 {
-        if !self.contains(column, row) {
-            return f64::NAN;
+    fn bilinear<const EDGE: bool>(&self, [column, row]: [i64; 2]) -> f64 {
+        const PART: i64 = 1 << 16;
+        let (mut left, mut top) = (column >> 32, row >> 32);
+        let (mut x, mut y) = (i64::from(column as u32 >> 16), i64::from(row as u32 >> 16));
+        if EDGE && left == self.width as i64 - 1 {
+            (left, x) = (left - 1, PART);
         }
-        let (left, top) = ((column as usize).min(self.width - 2), (row as usize).min(self.height - 2));
-        let (x, y) = (column - left as f64, row - top as f64);
-        let (a, b) = (self.pixel(left, top), self.pixel(left + 1, top));
-        let (c, d) = (self.pixel(left, top + 1), self.pixel(left + 1, top + 1));
-        let (upper, lower) = (a + x * (b - a), c + x * (d - c));
-        upper + y * (lower - upper)
-    }
-}
-
-/// One ray: start, unit direction, samples one pixel apart.
-#[derive(Clone, Copy)]
-pub struct Ray {
-    pub start: [f64; 2],
-    pub direction: [f64; 2],
-}
-
-impl Ray {
-    #[inline(always)]
-    pub fn at(&self, sample: usize) -> (f64, f64) {
-        let s = sample as f64;
-        (self.start[0] + s * self.direction[0], self.start[1] + s * self.direction[1])
-    }
-
-    /// The samples that lie inside `plane`: from first to before last. A picture is convex, so they are one run.
-    fn inside<T: Copy + Into<f64>>(&self, plane: &Plane<T>, samples: usize) -> (usize, usize) {
-        let contains = |sample: &usize| {
-            let (column, row) = self.at(*sample);
-            plane.contains(column, row)
+        if EDGE && top == self.height as i64 - 1 {
+            (top, y) = (top - 1, PART);
+        }
+        let at = self.index(left as usize, top as usize);
+        let upper = &self.data[at..at + self.bands + 1];
+        let at = at + self.width * self.bands;
+        let lower = &self.data[at..at + self.bands + 1];
+        let between = |pair: &[T]| -> i64 {
+            let (a, b): (i64, i64) = (pair[0].into(), pair[self.bands].into());
+            a * PART + x * (b - a)
         };
-        match (0..samples).find(contains) {
-            Some(first) => (first, (first..samples).rfind(contains).map_or(first, |last| last + 1)),
-            None => (0, 0),
+        let (upper, lower) = (between(upper), between(lower));
+        (upper * PART + y * (lower - upper)) as f64 * (1.0 / ONE as f64)
+    }
+
+    /// Bilinear brightness of the samples from `first` on, all of which are inside.
+    fn interpolate(&self, track: &Track, first: usize, values: &mut [f64]) {
+        let ([mut column, mut row], [right, down]) = (track.at(first), track.step);
+        let last = [(self.width as i64 - 1) * ONE, (self.height as i64 - 1) * ONE];
+        let on_edge = |at: [i64; 2]| at[0] >= last[0] || at[1] >= last[1];
+        if on_edge([column, row]) || on_edge(track.at(first + values.len())) {
+            for value in values {
+                *value = self.bilinear::<true>([column, row]);
+                (column, row) = (column + right, row + down);
+            }
+        } else {
+            for value in values {
+                *value = self.bilinear::<false>([column, row]);
+                (column, row) = (column + right, row + down);
+            }
         }
     }
 }
 
-/// Pixel coordinates in 32.32 fixed point: the nearest pixel of every sample for two additions.
-const ONE: f64 = 4294967296.0;
-
-fn fixed(value: f64) -> i64 {
-    (value * ONE).floor() as i64
+/// Luma of interleaved red, green, blue in thousandths (ITU-R BT.601), rounded half up.
+pub fn luma<T: Grey>(data: &[T]) -> Vec<T> {
+    let weigh = |p: &[T]| {
+        let (red, green, blue) = (p[0].level(), p[1].level(), p[2].level());
+        T::try_from((299 * red + 587 * green + 114 * blue + 500) / 1000).unwrap_or_default()
+    };
+    data.chunks_exact(3).map(weigh).collect()
 }
+
+/// Only every second sample is looked at to find bright ones: of the three that can make a peak lit, one is among them.
+const STRIDE: usize = 2;
+/// Samples whose brightness is noted together, one bit each.
+const CHUNK: usize = u64::BITS as usize;
 
 /// Which samples of a ray are bright enough for a peak, and the bilinear brightness of those and their surroundings.
 pub struct Trace {
-    pub bright: Vec<bool>,
+    /// Brightness, NaN outside the picture; of no meaning beyond the margin of every stretch.
     pub value: Vec<f64>,
-    /// Stretches of samples, first and last, in whose middle a peak may lie.
+    /// Stretches of bright samples, first and last.
     pub stretches: Vec<(usize, usize)>,
 }
 
 impl Trace {
     pub fn new(samples: usize) -> Self {
-        Trace { bright: vec![false; samples], value: vec![f64::NAN; samples], stretches: Vec::new() }
+        Trace { value: vec![f64::NAN; samples], stretches: Vec::new() }
     }
 
-    /// Reads `ray` again into the same memory; `margin` samples are added on each side of every bright stretch.
-    pub fn read<T: Copy + Into<f64>>(&mut self, plane: &Plane<T>, ray: &Ray, gate: f64, margin: usize) {
-        let samples = self.bright.len();
-        self.stretches.clear();
-        let mut end_of_read = 0;
-        let (first, end) = ray.inside(plane, samples);
-        self.bright[..first].fill(false);
-        self.bright[end..].fill(false);
-        let (mut column, mut row) = (fixed(ray.start[0] + 0.5), fixed(ray.start[1] + 0.5));
-        let (right, down) = (fixed(ray.direction[0]), fixed(ray.direction[1]));
-        column += first as i64 * right;
-        row += first as i64 * down;
-        for bright in &mut self.bright[first..end] {
-            let (c, r) = (((column >> 32) as usize).min(plane.width - 1), ((row >> 32) as usize).min(plane.height - 1));
-            *bright = plane.pixel(c, r) >= gate;
-            column += right;
-            row += down;
-        }
-        let mut sample = first;
-        while let Some(begin) = (sample..end).find(|&k| self.bright[k]) {
-            sample = (begin..end).find(|&k| !self.bright[k]).unwrap_or(end);
-            self.stretches.push((begin, sample - 1));
-        }
-        for &(first, last) in &self.stretches {
-            let from = first.saturating_sub(margin).max(end_of_read);
-            let to = (last + margin + 1).min(samples);
-            for sample in from..to {
-                let (column, row) = ray.at(sample);
-                self.value[sample] = plane.bilinear(column, row);
+    /// Reads `track` again into the same memory: stretches within `span` (first, end sample), `margin` samples more on each side.
+    pub fn read<T: Grey>(&mut self, plane: &Plane<T>, track: &Track, span: (usize, usize), gate: u32, margin: usize) {
+        let samples = self.value.len();
+        let (first, end) = track.inside(plane.width, plane.height, samples);
+        self.find_bright(plane, track, (first.max(span.0), end.min(span.1)), gate);
+        let mut next = 0;
+        for &(begin, last) in &self.stretches {
+            let (from, to) = (begin.saturating_sub(margin).max(next), (last + margin + 1).min(samples));
+            next = next.max(to);
+            let (known, unknown) = (from.max(first), to.min(end));
+            if from < known {
+                self.value[from..known.min(to)].fill(f64::NAN);
             }
-            end_of_read = end_of_read.max(to);
+            plane.interpolate(track, known, &mut self.value[known..unknown.max(known)]);
+            if unknown < to {
+                self.value[unknown.max(from)..to].fill(f64::NAN);
+            }
+        }
+    }
+
+    fn find_bright<T: Grey>(&mut self, plane: &Plane<T>, track: &Track, (first, end): (usize, usize), gate: u32) {
+        self.stretches.clear();
+        let first = first.next_multiple_of(STRIDE);
+        let count = end.saturating_sub(first).div_ceil(STRIDE);
+        let ([mut column, mut row], [right, down]) = (track.at(first), track.step.map(|step| step * STRIDE as i64));
+        for begin in (0..count).step_by(CHUNK) {
+            let mut bright = 0u64;
+            for k in 0..CHUNK.min(count - begin) {
+                let pixel = plane.data[plane.nearest_index([column, row])].level();
+                bright |= u64::from(pixel >= gate) << k;
+                (column, row) = (column + right, row + down);
+            }
+            while bright != 0 {
+                let skipped = bright.trailing_zeros() as usize;
+                let length = (bright >> skipped).trailing_ones() as usize;
+                bright &= u64::MAX.checked_shl((skipped + length) as u32).unwrap_or(0);
+                self.stretch(first + (begin + skipped) * STRIDE, first + (begin + skipped + length - 1) * STRIDE);
+            }
+        }
+    }
+
+    /// Notes a bright stretch, as part of the last one if it continues it.
+    fn stretch(&mut self, begin: usize, last: usize) {
+        match self.stretches.last_mut() {
+            Some(before) if before.1 + STRIDE == begin => before.1 = last,
+            _ => self.stretches.push((begin, last)),
         }
     }
 }

@@ -165,7 +165,7 @@ def _deflections(found: dict[str, Quantity], nominal_diameter: float) -> dict[st
 
 def _circle(wall: Wall, grid: WallGrid) -> dict[str, Quantity]:
     """The fitted centre, and the diameter of the circle about it: the zeroth harmonic of the smooth wall."""
-    variance = np.diag(wall.fit.covariance)
+    variance = np.maximum(np.diag(wall.fit.covariance), 0.0)  # rounding may leave the least one negative
     common = np.sum(grid.centre_modes**2, axis=0)
     common_radius = np.sum(grid.modes[:, : grid.regular].mean(axis=1) ** 2)
     u_x, u_y, u_radius = wall.scale * np.sqrt(

@@ -44,7 +44,7 @@ class Ring:
 
 def clock_grid(positions: int = POSITIONS) -> Array:
     """Clock positions (n,) [rad] from the crown."""
-    return np.arange(positions) * (2 * np.pi / positions)
+    return np.asarray(np.arange(positions) * (2 * np.pi / positions), dtype=np.float64)
 
 
 def grid_ring(take: TakePoints, covariance: Covariance, *, stripe: float | None, positions: int = POSITIONS) -> Ring:

@@ -1,10 +1,10 @@
 """The main job: a scan folder in, a measured pipe out."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,17 @@ from calibore.scans import ResultWriter, ScanSpec, read_scan
 from calibore.stripe import Stripe, estimator_named
 from calibore.uncertainty import Covariance
 
-Progress = Callable[[int, int | None], None]
-"""Called after every station with the number done and how many are expected (None where unknown)."""
-Finisher = Callable[["Sealed"], None]
-"""Called once everything is measured, to put pictures and a report beside the arrays."""
+
+class Progress(Protocol):
+    """Called after every station with the number done and how many are expected (None where unknown)."""
+
+    def __call__(self, done: int, total: int | None, /) -> None: ...
+
+
+class Finisher(Protocol):
+    """Called once everything is measured, to put pictures and a report beside the arrays."""
+
+    def __call__(self, sealed: "Sealed", /) -> None: ...
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from calibore import __version__
 from calibore.images import Refusal, StationImages
-from calibore.profiling._missing import gap_sentences, refused_sentence, some, unplaced_sentence
+from calibore.profiling._missing import counted, gap_sentences, refused_sentence, some, unplaced_sentence
 from calibore.profiling._station import Job, RefusedImage, StationResult
 from calibore.scans import ScanSpec
 from calibore.status import MEANING, Status
@@ -206,9 +206,10 @@ def warnings_of(job: Job, tally: Tally) -> list[str]:
     found += [*tally.left_out, *tally.gaps()]
     if tally.thin:
         at = "station" if len(tally.thin) == 1 else f"{len(tally.thin)} stations:"
-        found.append(f"Less than {LOW_FRACTION:.0%} of the ring was measured at {at} {some(tally.thin)}.")
+        found.append(f"Less than {100 * LOW_FRACTION:.0f} % of the ring was measured at {at} {some(tally.thin)}.")
     for status in (Status.MULTIPLE, Status.NOT_LASER, Status.OFF_RING):
         count = int(tally.statuses[status])
         if count:
-            found.append(f"{count} positions have no value: {MEANING[status]}.")
+            have = "has" if count == 1 else "have"
+            found.append(f"{counted(count, 'position')} {have} no value: {MEANING[status]}.")
     return found

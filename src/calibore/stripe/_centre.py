@@ -28,11 +28,11 @@ def area_centroid(column: Array, row: Array) -> tuple[float, float]:
     return float(x0 + moment_x / area), float(y0 + moment_y / area)
 
 
-def in_sectors(azimuth: Array, sectors: Sequence[tuple[float, float]] | None) -> NDArray[np.bool_]:
-    """Which image azimuths [rad] lie in one of the alignment sectors (from, to) [rad]; all of them for None."""
-    if sectors is None:
-        return np.ones(azimuth.shape, dtype=bool)
+def in_sectors(azimuth: Array, sectors: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+    """Which image azimuths (n,) [rad] lie in one of the `sectors`, each (from, to) [rad] with rising azimuth."""
     inside = np.zeros(azimuth.shape, dtype=bool)
     for begin, end in sectors:
+        if not np.isfinite(begin) or not np.isfinite(end):
+            raise InputError(f"An alignment sector must be two finite azimuths in rad, got ({begin}, {end}).")
         inside |= np.mod(azimuth - begin, 2 * np.pi) <= np.mod(end - begin, 2 * np.pi)
     return inside

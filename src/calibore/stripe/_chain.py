@@ -3,8 +3,10 @@
 1. Candidates of neighbouring rays are linked when they could be one line: at most `STEEPEST` pixels along the ray per
    pixel across, over at most `LONGEST_GAP` empty rays. Linked candidates form a chain.
 2. A chain of fewer than `SHORTEST` rays is not the line: spatter, a hot pixel (OFF_RING).
-3. On a ray with several candidates the one in the longest chain is the line (RESOLVED), unless the runner-up's chain is
-   more than half as long: then nobody can tell, and there is no number (MULTIPLE).
+3. On a ray with several candidates the one in the longest chain is the line. It had a rival (RESOLVED) if another one
+   stands in a chain of `SHORTEST` rays, or at least `SLIGHT` times as high as the highest on the ray; lower ones that
+   continue nothing are the ripples of noise and compression, and no rivals (OK).
+4. Where the rival's chain counts (2) and is more than `RIVAL` times as long, nobody can tell: no number (MULTIPLE).
 """
 
 import numpy as np
@@ -14,14 +16,18 @@ from calibore.status import Status
 
 Array = NDArray[np.float64]
 STEEPEST = 2.0
+"""Pixels along the ray per pixel across it."""
 SLACK = 1.0
 """Pixels a peak may jump besides, for its noise."""
 LONGEST_GAP = 3
-SHORTEST = 8
+"""Rays."""
+SHORTEST = 10
+"""Rays."""
+SLIGHT = 0.15
 RIVAL = 0.5
 
 
-def link_numpy(position: Array, *, spacing: float, closed: bool) -> NDArray[np.int64]:
+def link(position: Array, *, spacing: float, closed: bool) -> NDArray[np.int64]:
     """Length in rays of the chain each candidate (n, k) belongs to; 0 where there is no candidate.
 
     Candidates stand highest first in their row; each chain takes at most one per ray, the nearest.
@@ -65,9 +71,7 @@ def _nearest(place: float, ray: int, active: list[int], tails: list[tuple[int, f
     return answer
 
 
-def _join_ends(
-    heads: list[tuple[int, float]], tails: list[tuple[int, float]], spacing: float, count: int
-) -> list[int]:
+def _join_ends(heads: list[tuple[int, float]], tails: list[tuple[int, float]], spacing: float, count: int) -> list[int]:
     """Chain numbers after joining chains that meet where a closed scan begins and ends."""
     root = list(range(len(heads)))
     for c, (last, end) in enumerate(tails):
@@ -79,16 +83,20 @@ def _join_ends(
     return root
 
 
-def choose(length: NDArray[np.int64], laser: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
-    """(column of the chosen candidate, status) per ray from chain `length` (n, k), 0 = no candidate or not `laser` light.
+def choose(
+    length: NDArray[np.int64], laser: NDArray[np.bool_], height: Array
+) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
+    """(column of the chosen candidate, status) per ray, both (n,), by the rule above.
 
-    The column is meaningless where the status has no value.
+    Chain `length` (n, k) [rays], 0 = no candidate; which of them are `laser` light (n, k); their `height` (n, k). The
+    column is meaningless where the status has no value.
     """
     rows = np.arange(len(length))
     eligible = np.where(laser, length, 0)
     pick = np.argmax(eligible, axis=1)
     best = eligible[rows, pick]
-    others = eligible.copy()
+    highest = np.max(np.where(eligible > 0, height, 0.0), axis=1)
+    others = np.where((eligible >= SHORTEST) | (height >= SLIGHT * highest[:, None]), eligible, 0)
     others[rows, pick] = 0
     rival = others.max(axis=1)
     status = np.full(len(length), Status.OK, dtype=np.uint8)

@@ -1,6 +1,6 @@
 """The estimators of a peak's sub-pixel place, by name, and the settings of one scan along rays."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -42,6 +42,10 @@ PUBLISHED_WINDOW = 8
 """Samples per fitted parabola (Swanbom 2007, 6.3.4.2)."""
 PUBLISHED_THRESHOLD = 45.0
 """Least height of a fitted parabola in grey values of 0..255 (Swanbom 2007, 6.3.4.2)."""
+SATURATED_FROM = 0.97
+"""Samples above this fraction of white carry no information about the line's place."""
+NARROWEST_FIT, WIDEST_FIT = 4, 24
+"""Limits of the half width of the Gauss-Newton window [samples]."""
 MOST_PEAKS = 4
 """Candidates kept per ray, the highest ones."""
 
@@ -51,7 +55,8 @@ class ScanSettings:
     """One scan along rays. Brightness in grey values, lengths in samples (= pixels).
 
     `gate`: nearest-pixel brightness below which no peak is looked for; `prominence`: least height above the local
-    background; `threshold`: least absolute brightness (0 = none); `saturation`: the white level.
+    background; `threshold`: least absolute brightness (0 = none); `white`: the level at which the image saturates;
+    `window`: samples to which a slope is fitted.
     """
 
     estimator: Estimator
@@ -59,8 +64,12 @@ class ScanSettings:
     gate: float
     prominence: float
     threshold: float
-    saturation: float
+    white: float
     window: int = PUBLISHED_WINDOW
+
+    def plain(self) -> "ScanSettings":
+        """The same for a first look: by slope alone, or the dissertation's way throughout."""
+        return self if self.estimator is Estimator.PARABOLA else replace(self, estimator=Estimator.CROSSING)
 
     @property
     def reach(self) -> int:
@@ -69,8 +78,8 @@ class ScanSettings:
 
     @property
     def half_fit(self) -> int:
-        """Half width of the Gauss-Newton window: three line widths."""
-        return int(np.clip(np.ceil(3 * self.noise.width), 4, 24))
+        """Half width [samples] of the Gauss-Newton window: three line widths."""
+        return int(np.clip(np.ceil(3 * self.noise.width), NARROWEST_FIT, WIDEST_FIT))
 
 
 @dataclass(frozen=True)

@@ -1,52 +1,53 @@
 """Which kernel runs: the compiled one, or its NumPy twin where it was not built or is asked for."""
 
-from dataclasses import astuple
+from importlib import import_module
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from calibore.errors import ImageError, UsageError
+from calibore.stripe._estimators import Estimator
+from calibore.stripe._noise import NoiseModel
+from calibore.stripe._picture import Picture
+from calibore.stripe._rays import columns, compass
+from calibore.stripe._stripe import Stripe
+from calibore.stripe._twin import Annulus, line_numpy, ring_numpy
 
-from calibore.stripe._chain import link_numpy
-from calibore.stripe._estimators import Peaks, ScanSettings
-from calibore.stripe._rays import Rays
-from calibore.stripe._scatter import Ratios, scatter_ratios
-from calibore.stripe._twin import scan_numpy
-
+_native: Any
 try:
-    from calibore import _native
+    _native = import_module("calibore._native")
 except ImportError:  # a source tree that was never built: slower, same numbers
     _native = None
 
-Array = NDArray[np.float64]
-KERNELS = ("native", "numpy")
-DEFAULT_KERNEL = "native" if _native is not None and hasattr(_native, "scan_rays") else "numpy"
+DEFAULT_KERNEL = "numpy" if _native is None else "native"
 
 
-def scan(image: NDArray[np.generic], rays: Rays, settings: ScanSettings, *, band: int, kernel: str) -> Peaks:
-    """Candidates on every ray of colour `band` of `image` (h, w) or (h, w, 3), uint8 or uint16."""
-    if kernel == "numpy" or _native is None:
-        return scan_numpy(image if image.ndim == 2 else image[:, :, band], rays, settings)
-    noise = settings.noise
-    table = _native.scan_rays(
-        np.ascontiguousarray(image),
-        band,
-        rays.start,
-        rays.direction,
-        rays.samples,
-        int(settings.estimator),
-        (settings.gate, settings.prominence, settings.threshold, settings.saturation),
-        (settings.window, settings.reach, settings.half_fit),
-        astuple(noise),
-    )
-    return Peaks(table[0], table[1], table[2], table[3], table[4], table[5] > 0)
+def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) -> Stripe:
+    """The ring in `picture`, measured by `kernel`; raises ImageError where there is none."""
+    if not _is_native(kernel):
+        return ring_numpy(picture, ring, estimator)
+    direction = compass(ring.count)
+    try:
+        arrays, noise, scale, centre = _native.detect_ring(
+            picture.image, picture.band, ring.centre, (ring.inner, ring.outer), direction, ring.counted, int(estimator)
+        )
+    except ValueError as error:
+        raise ImageError(str(error)) from None
+    u, v, u_position, status, height, correlation = arrays
+    return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale, centre)
 
 
-def link(position: Array, *, spacing: float, closed: bool, kernel: str) -> NDArray[np.int64]:
-    """Chain lengths of candidates; see `calibore.stripe._chain`."""
-    if kernel == "numpy" or _native is None:
-        return link_numpy(position, spacing=spacing, closed=closed)
-    return _native.link_chains(position, spacing, closed)
+def line_by(kernel: str, picture: Picture, estimator: Estimator) -> Stripe:
+    """The line across `picture`, measured by `kernel`."""
+    if not _is_native(kernel):
+        return line_numpy(picture, estimator)
+    arrays, noise, scale = _native.detect_line(picture.image, picture.band, int(estimator))
+    u, v, u_position, status, height, correlation = arrays
+    direction = columns(picture.image.shape).direction
+    return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale)
 
 
-def ratios_of(kernel: str) -> Ratios:
-    """The scatter statistics by `kernel`; see `calibore.stripe._scatter`."""
-    return scatter_ratios if kernel == "numpy" or _native is None else _native.scatter_ratios
+def _is_native(kernel: str) -> bool:
+    if kernel not in ("native", "numpy"):
+        raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
+    if kernel == "native" and _native is None:
+        raise UsageError('The native kernel was not built; build it with "maturin develop -r" or choose "numpy".')
+    return kernel == "native"

@@ -14,12 +14,35 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+NORMAL = 1.4826
+"""Standard deviation of a normal distribution over its median absolute deviation."""
+CHI_MEDIAN = 0.4549
+"""Median of chi-square with one degree of freedom, over its mean: robust against edges."""
 QUANTISATION = 1 / 12
 """Variance of rounding to whole grey values."""
 ALIGNED = 0.985
 """Cosine of the angle (10 deg) within which a line counts as running along pixel rows or columns."""
 FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 """Passes pixel noise, stops anything the optics have blurred by 0.8 px or more."""
+FEWEST_RUNS = 200
+"""Runs of five pixels needed to learn pixel noise."""
+RUNS_PER_BIN, FEWEST_BINS, MOST_BINS = 60, 4, 24
+FAINT_RUNS = 0.05
+"""The background is the level that this fraction of the runs stays below."""
+FORGOTTEN = 6.0
+"""Brightness is independent beyond this many line widths along the line."""
+FEWEST_PAIRS = 16
+"""Pairs of rays needed to learn speckle."""
+USUAL_CONTRAST = 0.04
+"""Speckle contrast (variance over squared mean) before it is learnt."""
+FAINTEST_HEIGHT = 1e-3
+"""Heights [grey values] below this count as this."""
+LEAST_SHARED, MOST_SHARED = 0.05, 0.95
+"""Limits of the correlation between neighbouring rays that can be told from none and from all."""
+WIDEST_BLUR = 0.95
+"""The blur is at most this fraction of the line width."""
+LEAST_CONTRAST, MOST_CONTRAST, LONGEST_GRAIN = 1e-6, 1.0, 1e3
+"""Limits of the learnt speckle; grain in pixels."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +51,7 @@ class NoiseModel:
 
     additive: float = 1.0
     gain: float = 0.05
-    contrast: float = 0.04
+    contrast: float = USUAL_CONTRAST
     width: float = 1.5
     grain: float = 1.5
 
@@ -44,12 +67,10 @@ def background_noise(difference: NDArray[np.floating], known: NDArray[np.bool_])
     """Robust standard deviation [grey values] of pixel noise from `difference`s of nearby pixels where `known`."""
     sample = np.abs(difference[known])
     middle = float(np.partition(sample, sample.size // 2)[sample.size // 2]) if sample.size else 0.0
-    return max(1.4826 * middle / np.sqrt(2), np.sqrt(QUANTISATION))
+    return max(NORMAL * middle / np.sqrt(2), np.sqrt(QUANTISATION))
 
 
-def pixel_noise(
-    plane: NDArray[np.generic], column: Array, row: Array, direction: Array
-) -> tuple[float, float]:
+def pixel_noise(plane: NDArray[np.generic], column: Array, row: Array, direction: Array) -> tuple[float, float]:
     """(additive, gain) of the pixel noise near the line, from fourth differences of raw pixels along the line.
 
     Only where the line runs along pixel rows or columns: across it, the line itself is not smooth at this scale.
@@ -61,31 +82,33 @@ def pixel_noise(
     for axis in (0, 1):
         aligned = np.abs(direction[:, 1 - axis]) > ALIGNED
         at = [column[aligned][:, None] + (beside if axis else 0.0), row[aligned][:, None] + (0.0 if axis else beside)]
-        c, r = (np.clip(np.rint(a + 0.0 * beside), 2, n - 3).astype(np.intp).ravel()[:, None] for a, n in zip(at, (width, height), strict=True))
+        c, r = (
+            np.clip(np.rint(a + 0.0 * beside), 2, n - 3).astype(np.intp).ravel()[:, None]
+            for a, n in zip(at, (width, height), strict=True)
+        )
         five.append(plane[r, c + reach] if axis == 0 else plane[r + reach, c])
     runs = np.concatenate(five).astype(np.float64)
-    if len(runs) < 200:
+    if len(runs) < FEWEST_RUNS:
         return 0.0, 0.0
     square = (runs @ FOURTH_DIFFERENCE) ** 2 / np.sum(FOURTH_DIFFERENCE**2)
     level = runs.mean(axis=1)
-    terms = _variance_terms(np.maximum(level - np.quantile(level, 0.05), 0.0), square)
+    terms = _variance_terms(np.maximum(level - np.quantile(level, FAINT_RUNS), 0.0), square)
     return float(terms[0]), float(terms[1])
 
 
 def _variance_terms(level: Array, square: Array) -> Array:
-    """Non-negative (additive, gain, leak) with E[square] = additive + gain level + leak level^2, from binned medians."""
+    """Non-negative (additive, gain, leak), E[square] = additive + gain level + leak level^2, from binned medians."""
     order = np.argsort(level, kind="stable")
-    bins = np.array_split(order, max(4, min(24, level.size // 60)))
-    # the median of chi-square with one degree of freedom is 0.4549 of its mean: robust against edges
+    bins = np.array_split(order, int(np.clip(level.size // RUNS_PER_BIN, FEWEST_BINS, MOST_BINS)))
     mean = np.array([level[b].mean() for b in bins])
-    variance = np.array([np.median(square[b]) / 0.4549 for b in bins])
+    variance = np.array([np.median(square[b]) / CHI_MEDIAN for b in bins])
     design = np.stack([np.ones_like(mean), mean, mean**2], axis=1) / (variance + QUANTISATION)[:, None]
     target = variance / (variance + QUANTISATION)
     return nonnegative_least_squares(design, target)
 
 
 def nonnegative_least_squares(design: Array, target: Array) -> Array:
-    """argmin |design x - target| over x >= 0 for a few columns, by trying every set of columns."""
+    """The x >= 0 with the least |design x - target|, for a few columns, by trying every set of columns."""
     count = design.shape[1]
     best, answer = float(target @ target), np.zeros(count)
     for size in range(1, count + 1):
@@ -103,21 +126,23 @@ def speckle(model: NoiseModel, height: Array, *, spacing: float) -> NoiseModel:
 
     Relative brightness is compared between rays: close pairs give the blur along the ring, distant ones the contrast.
     """
-    logarithm = np.log(np.maximum(height, 1e-3))
-    far = max(1, int(np.ceil(6 * model.width / spacing)))
+    logarithm = np.log(np.maximum(height, FAINTEST_HEIGHT))
+    far = max(1, int(np.ceil(FORGOTTEN * model.width / spacing)))
     spread = _pair_variance(logarithm, far)
     near = _pair_variance(logarithm, max(1, round(1.0 / spacing)))
-    shared = float(np.clip(1 - near / max(spread, 1e-12), 0.05, 0.95))
+    shared = float(np.clip(1 - near / max(spread, 1e-12), LEAST_SHARED, MOST_SHARED))
     lag = max(1, round(1.0 / spacing)) * spacing
-    blur = min(lag / np.sqrt(-4 * np.log(shared)), 0.95 * model.width)
+    blur = min(lag / np.sqrt(-4 * np.log(shared)), WIDEST_BLUR * model.width)
     grain = 1 / np.sqrt(1 / blur**2 - 1 / model.width**2)
-    return replace(model, contrast=float(np.clip(spread, 1e-6, 1.0)), grain=float(min(grain, 1e3)))
+    return replace(
+        model, contrast=float(np.clip(spread, LEAST_CONTRAST, MOST_CONTRAST)), grain=float(min(grain, LONGEST_GRAIN))
+    )
 
 
 def _pair_variance(values: Array, lag: int) -> float:
     """Half the robust variance of the differences of values `lag` rays apart."""
     difference = values[lag:] - values[:-lag]
     difference = difference[np.isfinite(difference)]
-    if difference.size < 16:
-        return 0.04
-    return float((1.4826 * np.median(np.abs(difference))) ** 2 / 2)
+    if difference.size < FEWEST_PAIRS:
+        return USUAL_CONTRAST
+    return float((NORMAL * np.median(np.abs(difference))) ** 2 / 2)
