@@ -6,6 +6,7 @@ import signal
 import sys
 import time
 from pathlib import Path
+from subprocess import Popen
 
 import numpy as np
 import pytest
@@ -48,12 +49,19 @@ def complete(survey: Path) -> dict[str, bytes]:
     return contents(out)
 
 
+def wait_until_begun(process: Popen[str], out: Path) -> None:
+    """Until the run writes its result beside `out`, or has ended."""
+    deadline = time.monotonic() + BEGUN
+    while process.poll() is None and time.monotonic() < deadline:
+        if any(name.startswith(f".{out.name}.partial-") for name in stray_files(out)):
+            return
+        time.sleep(0.002)
+
+
 def hit(survey: Path, out: Path, number: int, delay: float) -> int:
     """Send the signal `delay` seconds after the run has begun to write; returns the exit status."""
     process = started("profile", survey, "--out", out, "--no-pictures")
-    deadline = time.monotonic() + BEGUN
-    while process.poll() is None and not stray_files(out) and time.monotonic() < deadline:
-        time.sleep(0.002)
+    wait_until_begun(process, out)
     time.sleep(delay)
     process.send_signal(number)
     return outcome_of(process).status
@@ -84,8 +92,7 @@ def test_interrupted_by_the_keyboard_a_run_says_so_and_cleans_up(survey, complet
     out = tmp_path / "out"
     assert profile(survey, out=out).status == 0
     process = started("profile", survey, "--out", out, "--no-pictures")
-    while process.poll() is None and not stray_files(out):
-        time.sleep(0.002)
+    wait_until_begun(process, out)
     process.send_signal(signal.SIGINT)
     outcome = outcome_of(process)
     assert outcome.status == INTERRUPTED
@@ -110,8 +117,7 @@ def test_an_old_result_stays_when_a_later_run_fails(scan, tmp_path):
 def test_a_run_that_finds_another_one_writing_says_so(survey, tmp_path):
     out = tmp_path / "out"
     process = started("profile", survey, "--out", out, "--no-pictures")
-    while process.poll() is None and not stray_files(out):
-        time.sleep(0.002)
+    wait_until_begun(process, out)
     process.send_signal(signal.SIGSTOP)
     try:
         outcome = profile(survey, out=out)

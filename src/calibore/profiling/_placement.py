@@ -46,10 +46,6 @@ class Placer:
 
 def open_source(spec: ScanSpec, rig: Rig) -> tuple[ImageSource, str, Placer]:
     """The scan's pictures, the colour channel its line is looked for in, and where its stations lie."""
-    if spec.kind != "forward-looking":
-        raise InputError(
-            f"{spec.folder} is a {spec.kind} scan; this version profiles forward-looking laser rings only."
-        )
     channel = rig.lasers[0].channel
     if spec.video is not None:
         return _open_video(spec, spec.video, channel=channel or VIDEO_CHANNEL, camera=rig.camera)

@@ -71,6 +71,10 @@ class _Reading:
 def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer]:
     """Everything that can be wrong with a scan before its first image is read, found out."""
     estimator_named(estimator)
+    if spec.kind != "forward-looking":
+        raise InputError(
+            f"{spec.folder} is a {spec.kind} scan; this version profiles images of forward-looking laser rings only."
+        )
     if spec.rig_path is None:
         raise InputError(f'{spec.folder / "scan.toml"} names no rig; add rig = "rig.toml".')
     rig = read_rig(spec.rig_path).with_default_uncertainty(spec.nominal_radius)

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from calibore.errors import ImageError
 from calibore.stripe._centre import in_sectors
 from calibore.stripe._estimators import estimator_named
-from calibore.stripe._guide import COARSE
 from calibore.stripe._kernel import DEFAULT_KERNEL, line_by, ring_by
 from calibore.stripe._picture import prepare
 from calibore.stripe._rays import check_annulus, compass
@@ -64,8 +63,8 @@ def detect_line(
 
 
 def _counted(rays: int, sectors: Sequence[tuple[float, float]] | None) -> NDArray[np.bool_]:
-    """Which coarse rays lie in the alignment sectors."""
+    """Which rays (n,) lie in the alignment sectors."""
     if sectors is None:
-        return np.ones(-(-rays // COARSE), dtype=bool)
-    direction = compass(rays)[::COARSE]
+        return np.ones(rays, dtype=bool)
+    direction = compass(rays)
     return in_sectors(np.arctan2(direction[:, 1], direction[:, 0]), sectors)

@@ -4,6 +4,7 @@ Both find the same peaks with the same statuses, places within 1e-4 px and uncer
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from calibore.status import Status
 from calibore.stripe._centre import area_centroid
 from calibore.stripe._chain import choose, link
 from calibore.stripe._estimators import Estimator, Peaks, ScanSettings
-from calibore.stripe._guide import COARSE, guided_spans
+from calibore.stripe._guide import COARSE, LEAST_MARGIN, guided_spans
 from calibore.stripe._learn import first_settings, learn_noise
 from calibore.stripe._light import laser_light
 from calibore.stripe._picture import Picture
@@ -36,7 +37,7 @@ UNCLEAR = 0.5
 class Annulus:
     """Where a ring is looked for: about `centre` (column, row) [px], from `inner` to `outer` [px], on `count` rays.
 
-    `counted` (ceil(count / COARSE),): which coarse rays count for centring.
+    `counted` (count,): which rays count for centring.
     """
 
     centre: tuple[float, float]
@@ -50,79 +51,107 @@ class Annulus:
 
 
 def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided: bool = True) -> Stripe:
-    """The ring in `picture`; not `guided`, every ray is scanned in full length. Raises ImageError without a ring."""
-    settings = first_settings(picture, ring.rays(), estimator)
-    if settings.prominence >= UNCLEAR * picture.white:
-        raise ImageError("There is no laser ring in the image: nothing stands out from its background.")
-    spans = None
-    for step in range(MOST_RECENTRINGS):
-        coarse = ring.rays().every(COARSE)
-        peaks = scan(picture.plane(), coarse, settings.plain(), spans=spans)
-        if not np.isfinite(peaks.position).any():
-            raise ImageError("There is no laser ring in the image: nothing stands out from its background.")
-        settings = learn_noise(picture, coarse, peaks, settings) if step == 0 else settings
-        centre = _centre(picture, coarse, peaks, settings, ring.counted)
-        shift = float(np.hypot(centre[0] - ring.centre[0], centre[1] - ring.centre[1]))
+    """The ring in `picture`; not `guided`, every ray is scanned in full length. Raises ImageError without a ring.
+
+    Unwrap the annulus, find the line and its area centroid, start again from there until it rests.
+    """
+    ring, settings, coarse = _approach(picture, ring, estimator)
+    recentrings = 0
+    while True:
+        rays = ring.rays()
+        spans = coarse.spans(ring.centre)[np.arange(rays.count) // COARSE] if guided else None
+        sight = _sight(picture, rays, scan(picture.plane(), rays, settings, spans=spans), settings.noise.width)
+        centre = _centre(sight, ring.counted)
+        recentrings += 1
+        if _distance(centre, ring.centre) < SETTLED or recentrings == MOST_RECENTRINGS:
+            return replace(_measure(sight, settings), centre=ring.centre)
         ring = replace(ring, centre=centre)
-        if guided:
-            spans = guided_spans(peaks.position, samples=coarse.samples, spacing=coarse.spacing, shift=shift)
-        if shift < SETTLED:
-            break
-    rays = ring.rays()
-    stripe = _measure(picture, rays, settings, None if spans is None else spans[np.arange(rays.count) // COARSE])
-    return replace(stripe, centre=ring.centre)
 
 
 def line_numpy(picture: Picture, estimator: Estimator) -> Stripe:
     """The line that crosses `picture` from left to right."""
     rays = columns(picture.image.shape)
     settings = first_settings(picture, rays, estimator)
-    peaks = scan(picture.plane(), rays, settings.plain())
-    return _measure(picture, rays, learn_noise(picture, rays, peaks, settings), None)
+    settings = learn_noise(picture, rays, scan(picture.plane(), rays, settings.plain()), settings)
+    return _measure(_sight(picture, rays, scan(picture.plane(), rays, settings), settings.noise.width), settings)
 
 
-def _centre(
-    picture: Picture, rays: Rays, peaks: Peaks, settings: ScanSettings, counted: NDArray[np.bool_]
-) -> tuple[float, float]:
-    """Area centroid (column, row) of the line among `peaks` along `rays`, those that are `counted`."""
-    pick, status = _line(picture, rays, peaks, settings.noise.width)
-    seen = (status <= Status.RESOLVED) & counted
+@dataclass(frozen=True)
+class Approach:
+    """What the last coarse scan along `rays` from `centre` has found."""
+
+    rays: Rays
+    peaks: Peaks
+    centre: tuple[float, float]
+
+    def spans(self, centre: tuple[float, float]) -> NDArray[np.int64]:
+        """Where to look for peaks on the rays from `centre`; see `guided_spans`."""
+        shift = _distance(centre, self.centre)
+        return guided_spans(self.peaks.position, samples=self.rays.samples, spacing=self.rays.spacing, shift=shift)
+
+
+def _approach(picture: Picture, ring: Annulus, estimator: Estimator) -> tuple[Annulus, ScanSettings, Approach]:
+    """Coarse scans: learn the settings, and move `ring` until it is near enough for the last scan to guide."""
+    settings = first_settings(picture, ring.rays(), estimator)
+    if settings.prominence >= UNCLEAR * picture.white:
+        raise ImageError("There is no laser ring in the image: nothing stands out from its background.")
+    recentrings = 0
+    while True:
+        rays = ring.rays().every(COARSE)
+        peaks = scan(picture.plane(), rays, settings.plain())
+        if not np.isfinite(peaks.position).any():
+            raise ImageError("There is no laser ring in the image: nothing stands out from its background.")
+        settings = learn_noise(picture, rays, peaks, settings) if recentrings == 0 else settings
+        approach = Approach(rays, peaks, ring.centre)
+        ring = replace(ring, centre=_centre(_sight(picture, rays, peaks, settings.noise.width), ring.counted))
+        recentrings += 1
+        if _distance(ring.centre, approach.centre) <= LEAST_MARGIN or recentrings == MOST_RECENTRINGS:
+            return ring, settings, approach
+
+
+@dataclass(frozen=True)
+class Sight:
+    """The candidates along rays, which of them (`pick`, n) is the line on each, and the `status` (n,) of the choice."""
+
+    rays: Rays
+    peaks: Peaks
+    pick: NDArray[np.intp]
+    status: NDArray[np.uint8]
+
+    def picked(self, table: NDArray[Any]) -> NDArray[Any]:
+        """`table` (n, k) of the line's candidates, (n,)."""
+        return table[np.arange(self.rays.count), self.pick]
+
+
+def _sight(picture: Picture, rays: Rays, peaks: Peaks, width: float) -> Sight:
+    """The line of `width` [px] among `peaks` along `rays`."""
+    laser = laser_light(picture, rays, peaks, width)
+    length = rays.stride * link(np.where(laser, peaks.position, np.nan), spacing=rays.spacing, closed=rays.closed)
+    return Sight(rays, peaks, *choose(np.where(laser, length, np.isfinite(peaks.position)), laser, peaks.height))
+
+
+def _centre(sight: Sight, counted: NDArray[np.bool_]) -> tuple[float, float]:
+    """Area centroid (column, row) of the line in `sight`, of the rays that are `counted`."""
+    seen = (sight.status <= Status.RESOLVED) & counted[:: sight.rays.stride]
     if seen.sum() < FEWEST_TO_CENTRE:
         raise ImageError("There is no laser ring in the image: too few connected peaks to find its centre.")
-    column, row = rays.at(peaks.position[np.arange(len(pick)), pick])
+    column, row = sight.rays.at(sight.picked(sight.peaks.position))
     try:
         return area_centroid(column[seen], row[seen])
     except InputError:
         raise ImageError("There is no laser ring in the image: its peaks enclose no area.") from None
 
 
-def _line(picture: Picture, rays: Rays, peaks: Peaks, width: float) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
-    """Which candidate on each ray is the line, and the status of the choice."""
-    laser = laser_light(picture, rays, peaks, width)
-    length = rays.stride * link(np.where(laser, peaks.position, np.nan), spacing=rays.spacing, closed=rays.closed)
-    return choose(np.where(laser, length, np.isfinite(peaks.position)), laser, peaks.height)
+def _distance(one: tuple[float, float], other: tuple[float, float]) -> float:
+    return float(np.hypot(one[0] - other[0], one[1] - other[1]))
 
 
-def _measure(picture: Picture, rays: Rays, settings: ScanSettings, spans: NDArray[np.int64] | None) -> Stripe:
-    """The line along `rays`: candidates, choice by continuity, uncertainty from model and scatter."""
-    peaks = scan(picture.plane(), rays, settings, spans=spans)
-    pick, status = _line(picture, rays, peaks, settings.noise.width)
-    rows = np.arange(rays.count)
-    status[(status <= Status.RESOLVED) & peaks.saturated[rows, pick]] = Status.SATURATED
+def _measure(sight: Sight, settings: ScanSettings) -> Stripe:
+    """The line in `sight` with its uncertainty from model and scatter."""
+    rays, peaks, status = sight.rays, sight.peaks, sight.status.copy()
+    status[(status <= Status.RESOLVED) & sight.picked(peaks.saturated)] = Status.SATURATED
     valued = status <= Status.SATURATED
-    position, u, height = (
-        np.where(valued, table[rows, pick], np.nan) for table in (peaks.position, peaks.u, peaks.height)
-    )
+    position, u, height = (np.where(valued, sight.picked(t), np.nan) for t in (peaks.position, peaks.u, peaks.height))
     scatter = observe_scatter(position, u, width=settings.noise.width, spacing=rays.spacing, closed=rays.closed)
-    column, row = rays.at(position)
-    return Stripe(
-        column,
-        row,
-        rays.direction,
-        u * scatter.scale,
-        status,
-        height,
-        scatter.correlation,
-        settings.noise,
-        scatter.scale,
-    )
+    scale, (column, row) = scatter.scale, rays.at(position)
+    return Stripe(column, row, rays.direction, u * scale, status, height, scatter.correlation, settings.noise, scale)

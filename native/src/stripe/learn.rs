@@ -1,0 +1,124 @@
+//! Settings of a scan, learnt from the picture (see the Python module `_learn`).
+
+use super::fit::{Batch, Fit};
+use super::noise::{background_noise, pixel_noise, speckle, CONTRAST};
+use super::peak::{margin, Finder, Standing};
+use super::rays::{Ray, Rays};
+use super::refine::moved_place;
+use super::sampling::{Grey, Plane, Trace};
+use super::scan::{gate_of, Candidates};
+use super::scatter::neighbour_scatter;
+use super::settings::{Estimator, Noise, Settings, PUBLISHED_WINDOW};
+use super::statistics::{floor, median, Histogram};
+
+const PUBLISHED_THRESHOLD: f64 = 45.0;
+const SPARSE: usize = 48;
+const FLOOR_RANK: usize = 20;
+const PROMINENT: f64 = 6.0;
+const FAINTEST: f64 = 0.08;
+const GATE: f64 = 0.6;
+const FEWEST_TO_LEARN: usize = 24;
+const NARROWEST_LINE: f64 = 0.6;
+const WIDEST_LINE: f64 = 12.0;
+const SMALLEST_WINDOW: f64 = 6.0;
+const LARGEST_WINDOW: f64 = 32.0;
+const FLOORS: [f64; 3] = [0.01, 0.07, 0.5];
+/// Width and grain before they are learnt.
+const USUAL: f64 = 1.5;
+const USUAL_GAIN: f64 = 0.05;
+
+/// Settings for the first look, from a sparse sample of the search region; none where all of it is outside.
+pub fn first_settings<T: Grey>(plane: &Plane<T>, rays: &Rays, estimator: Estimator) -> Option<Settings> {
+    let (mut values, mut differences) = (Histogram::new(T::WHITE), Histogram::new(T::WHITE));
+    let (mut brightest, mut line) = (Vec::new(), Vec::new());
+    for ray in rays.rays.iter().step_by((rays.rays.len() / SPARSE).max(1)) {
+        let track = ray.track();
+        let (first, end) = track.inside(plane.width, plane.height, rays.samples);
+        line.clear();
+        line.extend((first..end).map(|sample| plane.data[plane.nearest_index(track.at(sample))].level()));
+        line.iter().for_each(|&value| values.add(value));
+        line.iter().zip(line.iter().skip(2)).for_each(|(a, b)| differences.add(a.abs_diff(*b)));
+        brightest.extend(line.iter().max().map(|&value| f64::from(value)));
+    }
+    if brightest.is_empty() {
+        return None;
+    }
+    let (floor, noise) = (values.ranked(FLOOR_RANK), background_noise(differences.ranked(2)));
+    let level = (median(&mut brightest) - floor).max(0.0);
+    let prominence = (PROMINENT * noise).max(FAINTEST * level);
+    let white = f64::from(T::WHITE);
+    let threshold = if estimator == Estimator::Parabola { PUBLISHED_THRESHOLD * white / 255.0 } else { 0.0 };
+    let noise = Noise { additive: noise * noise, gain: USUAL_GAIN, contrast: CONTRAST, width: USUAL, grain: USUAL };
+    Some(Settings { estimator, noise, gate: floor + GATE * prominence, prominence, threshold, white, window: PUBLISHED_WINDOW })
+}
+
+/// `settings` with the noise model, line width and window learnt from `found` along `rays`.
+pub fn learn_noise<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, mut settings: Settings) -> Settings {
+    let (mut peaks, mut widths): (Vec<(Ray, [f64; 2])>, Vec<f64>) = (Vec::new(), Vec::new());
+    let mut height = Vec::with_capacity(rays.rays.len());
+    for (ray, highest) in rays.rays.iter().zip(found.highest()) {
+        let good = highest.filter(|peak| !peak.saturated);
+        height.push(good.map_or(f64::NAN, |peak| peak.height));
+        peaks.extend(good.map(|peak| (*ray, ray.at(peak.position))));
+        widths.extend(good.map(|peak| peak.width));
+    }
+    if peaks.len() < FEWEST_TO_LEARN {
+        return settings;
+    }
+    let width = median(&mut widths).clamp(NARROWEST_LINE, WIDEST_LINE);
+    let (additive, gain) = pixel_noise(plane, &peaks);
+    let noise = Noise { additive: additive.max(settings.noise.additive), gain, width, ..settings.noise };
+    settings.noise = speckle(noise, &height, rays.spacing);
+    if settings.estimator == Estimator::Parabola {
+        return settings;
+    }
+    settings.window = (2.0 * (2.0 * width).round_ties_even()).clamp(SMALLEST_WINDOW, LARGEST_WINDOW) as usize;
+    best_floor(plane, rays, found, settings)
+}
+
+/// `settings` with the additive noise under which neighbouring peaks agree best.
+fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settings: Settings) -> Settings {
+    if settings.estimator != Estimator::ZeroCrossing {
+        return settings;
+    }
+    let mut heights: Vec<f64> = found.highest().flatten().map(|peak| peak.height).collect();
+    let height = median(&mut heights);
+    let trials = FLOORS.map(|fraction| {
+        let additive = settings.noise.additive.max((fraction * height) * (fraction * height));
+        Settings { noise: Noise { additive, ..settings.noise.clone() }, ..settings.clone() }
+    });
+    let places = places_under(plane, rays, found, &trials);
+    let scatter = places.map(|place| neighbour_scatter(&place, settings.noise.width, rays.spacing));
+    let best = (0..trials.len()).reduce(|best, k| if scatter[k] < scatter[best] { k } else { best }).unwrap_or(0);
+    trials.into_iter().nth(best).unwrap_or(settings)
+}
+
+/// Places of the highest peak near each ray's highest candidate under every one of the `trials`, which differ in additive noise only.
+fn places_under<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, trials: &[Settings; 3]) -> [Vec<f64>; 3] {
+    let mut places = [(); 3].map(|()| vec![f64::NAN; rays.rays.len()]);
+    let (mut fits, mut batch) = (trials.each_ref().map(Fit::new), Batch::new());
+    let settings = &trials[0];
+    let (gate, margin, reach) = (gate_of(settings), margin(settings), 2 * settings.reach() as i64);
+    let (finder, mut trace) = (Finder::new(settings), Trace::new(rays.samples));
+    let mut finish = |batch: &mut Batch| {
+        for (fit, places) in fits.iter_mut().zip(&mut places) {
+            let moved = fit.step(batch);
+            for lane in 0..batch.filled {
+                places[batch.targets[lane]] = moved_place(&batch.peaks[lane], moved.0[lane]);
+            }
+        }
+        batch.filled = 0;
+    };
+    for (index, (ray, highest)) in rays.rays.iter().zip(found.highest()).enumerate() {
+        let Some(peak) = highest else { continue };
+        let (middle, mut best): (i64, Option<Standing>) = (floor(peak.position), None);
+        let end = ((middle + reach + 2).max(0) as usize).min(rays.samples);
+        trace.read(plane, &ray.track(), ((middle - reach).max(0) as usize, end), gate, margin);
+        finder.standing(&trace, |peak| best = best.filter(|b| b.height >= peak.height).or(Some(peak)));
+        if best.is_some_and(|peak| batch.add(&trace.value, settings.half_fit(), &peak, index)) {
+            finish(&mut batch);
+        }
+    }
+    finish(&mut batch);
+    places
+}

@@ -1,0 +1,60 @@
+//! The line along a set of rays: candidates, choice by continuity, uncertainty from model and scatter.
+
+use super::choice::{line_among, RESOLVED, SATURATED};
+use super::rays::Rays;
+use super::sampling::{Grey, Plane};
+use super::scan::{scan, Candidates};
+use super::scatter;
+use super::settings::{Noise, Settings};
+
+/// The measured line (see the Python class `Stripe`).
+pub struct Line {
+    pub u: Vec<f64>,
+    pub v: Vec<f64>,
+    pub u_position: Vec<f64>,
+    pub status: Vec<u8>,
+    pub height: Vec<f64>,
+    pub correlation: Vec<f64>,
+    pub noise: Noise,
+    pub scale: f64,
+}
+
+/// The candidates along a set of rays, and which of them is the line on each: (candidate, status).
+pub struct Sight {
+    pub candidates: Candidates,
+    pub chosen: Vec<(usize, u8)>,
+}
+
+impl Sight {
+    /// Peaks of every ray are looked for within its span (first, end sample).
+    pub fn along<T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, span: impl Fn(usize) -> (usize, usize)) -> Sight {
+        Sight::among(plane, rays, scan(plane, rays, settings, span), settings.noise.width)
+    }
+
+    pub fn among<T: Grey>(plane: &Plane<T>, rays: &Rays, candidates: Candidates, width: f64) -> Sight {
+        let chosen = line_among(plane, rays, &candidates, width);
+        Sight { candidates, chosen }
+    }
+
+    /// The line in sight with its uncertainty.
+    pub fn line(self, rays: &Rays, settings: Settings) -> Line {
+        let count = rays.rays.len();
+        let empty = || Vec::with_capacity(count);
+        let (mut u, mut v, mut height, mut position, mut u_position, mut status) =
+            (empty(), empty(), empty(), empty(), empty(), Vec::with_capacity(count));
+        for (ray, (pick, chosen)) in rays.rays.iter().zip(self.chosen) {
+            let peak = self.candidates.peaks.get(pick).filter(|_| chosen <= RESOLVED);
+            let place = peak.map_or(f64::NAN, |peak| peak.position);
+            let [column, row] = ray.at(place);
+            u.push(column);
+            v.push(row);
+            position.push(place);
+            u_position.push(peak.map_or(f64::NAN, |peak| peak.u));
+            height.push(peak.map_or(f64::NAN, |peak| peak.height));
+            status.push(if peak.is_some_and(|peak| peak.saturated) { SATURATED } else { chosen });
+        }
+        let scatter = scatter::observe(&position, &u_position, settings.noise.width, rays.spacing, rays.closed);
+        u_position.iter_mut().for_each(|u| *u *= scatter.scale);
+        Line { u, v, u_position, status, height, correlation: scatter.correlation, noise: settings.noise, scale: scatter.scale }
+    }
+}

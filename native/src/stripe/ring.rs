@@ -1,0 +1,101 @@
+//! A closed line in an image: find it, centre the rays on it, measure it (see the Python module `_twin`).
+
+use super::centre::area_centroid;
+use super::choice::RESOLVED;
+use super::guide::{guided_spans, COARSE, LEAST_MARGIN};
+use super::learn::{first_settings, learn_noise};
+use super::measure::{Line, Sight};
+use super::rays::{Annulus, Rays};
+use super::sampling::{Grey, Plane};
+use super::scan::{scan, Candidates};
+use super::settings::{Estimator, Settings};
+
+const SETTLED: f64 = 0.5;
+const MOST_RECENTRINGS: usize = 8;
+const FEWEST_TO_CENTRE: usize = 8;
+const UNCLEAR: f64 = 0.5;
+
+const OUTSIDE: &str = "The region where the ring is expected lies outside the image.";
+const NOTHING: &str = "There is no laser ring in the image: nothing stands out from its background.";
+const UNCONNECTED: &str = "There is no laser ring in the image: too few connected peaks to find its centre.";
+const NO_AREA: &str = "There is no laser ring in the image: its peaks enclose no area.";
+
+/// The ring and the centre its rays start from, or a sentence why there is none.
+pub fn measure<T: Grey>(plane: &Plane<T>, mut ring: Annulus, estimator: Estimator) -> Result<(Line, [f64; 2]), &'static str> {
+    let (settings, approach) = approach(plane, &mut ring, estimator)?;
+    let mut recentrings = 0;
+    loop {
+        let (rays, spans) = (ring.every(1), approach.spans(ring.centre));
+        let sight = Sight::along(plane, &rays, &settings, |ray| spans[ray / COARSE]);
+        let centre = centre_of(&rays, &sight, ring.counted)?;
+        recentrings += 1;
+        if distance(centre, ring.centre) < SETTLED || recentrings == MOST_RECENTRINGS {
+            return Ok((sight.line(&rays, settings), ring.centre));
+        }
+        ring.centre = centre;
+    }
+}
+
+/// What the last coarse scan has found, and from where.
+struct Approach {
+    found: Candidates,
+    centre: [f64; 2],
+    samples: usize,
+    spacing: f64,
+}
+
+impl Approach {
+    /// Where to look for peaks on the rays from `centre`.
+    fn spans(&self, centre: [f64; 2]) -> Vec<(usize, usize)> {
+        guided_spans(&self.found, self.samples, self.spacing, distance(centre, self.centre))
+    }
+}
+
+/// Coarse scans: learns the settings, and moves the centre of `ring` until it is near enough for the last one to guide.
+fn approach<T: Grey>(plane: &Plane<T>, ring: &mut Annulus, estimator: Estimator) -> Result<(Settings, Approach), &'static str> {
+    let mut settings = first_settings(plane, &ring.every(1), estimator).ok_or(OUTSIDE)?;
+    if settings.prominence >= UNCLEAR * settings.white {
+        return Err(NOTHING);
+    }
+    let mut recentrings = 0;
+    loop {
+        let rays = ring.every(COARSE);
+        let found = scan(plane, &rays, &settings.plain(), |_| (0, rays.samples));
+        if found.peaks.is_empty() {
+            return Err(NOTHING);
+        }
+        if recentrings == 0 {
+            settings = learn_noise(plane, &rays, &found, settings);
+        }
+        let sight = Sight::among(plane, &rays, found, settings.noise.width);
+        let from = std::mem::replace(&mut ring.centre, centre_of(&rays, &sight, ring.counted)?);
+        recentrings += 1;
+        if distance(from, ring.centre) <= LEAST_MARGIN || recentrings == MOST_RECENTRINGS {
+            return Ok((settings, Approach { found: sight.candidates, centre: from, samples: rays.samples, spacing: rays.spacing }));
+        }
+    }
+}
+
+/// The line that crosses the picture from left to right.
+pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator) -> Result<Line, &'static str> {
+    let rays = Rays::columns(plane.width, plane.height);
+    let settings = first_settings(plane, &rays, estimator).ok_or(OUTSIDE)?;
+    let found = scan(plane, &rays, &settings.plain(), |_| (0, rays.samples));
+    let settings = learn_noise(plane, &rays, &found, settings);
+    Ok(Sight::along(plane, &rays, &settings, |_| (0, rays.samples)).line(&rays, settings))
+}
+
+/// Area centroid of the line in sight, of the rays that are `counted` (one for each ray of the dense set).
+fn centre_of(rays: &Rays, sight: &Sight, counted: &[bool]) -> Result<[f64; 2], &'static str> {
+    let counted = counted.iter().step_by(rays.stride);
+    let seen = rays.rays.iter().zip(&sight.chosen).zip(counted).filter(|((_, (_, status)), counted)| **counted && *status <= RESOLVED);
+    let points: Vec<[f64; 2]> = seen.map(|((ray, (pick, _)), _)| ray.at(sight.candidates.peaks[*pick].position)).collect();
+    if points.len() < FEWEST_TO_CENTRE {
+        return Err(UNCONNECTED);
+    }
+    area_centroid(&points).ok_or(NO_AREA)
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}

@@ -1,0 +1,58 @@
+//! Medians as NumPy computes them, and whole-number floors without a library call.
+
+/// Median; the mean of the middle two for an even count; NaN of nothing. Reorders `values`.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let middle = values.len() / 2;
+    let even = values.len().is_multiple_of(2);
+    let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    if even {
+        0.5 * (below.iter().copied().fold(f64::NEG_INFINITY, f64::max) + upper)
+    } else {
+        upper
+    }
+}
+
+/// Largest whole number not above `value`; saturates like a cast.
+#[inline(always)]
+pub fn floor(value: f64) -> i64 {
+    let whole = value as i64;
+    whole - i64::from((whole as f64) > value)
+}
+
+/// How often each whole number occurs.
+pub struct Histogram {
+    /// In turns, because a counter just written is slow to read again.
+    counts: Vec<[u32; TURNS]>,
+    total: usize,
+}
+
+const TURNS: usize = 4;
+
+impl Histogram {
+    /// For the numbers 0 to `largest`.
+    pub fn new(largest: u32) -> Self {
+        Histogram { counts: vec![[0; TURNS]; largest as usize + 1], total: 0 }
+    }
+
+    #[inline(always)]
+    pub fn add(&mut self, value: u32) {
+        if let Some(counts) = self.counts.get_mut(value as usize) {
+            counts[self.total % TURNS] += 1;
+            self.total += 1;
+        }
+    }
+
+    /// The number at place total / `part` in ascending order; 0 of nothing.
+    pub fn ranked(&self, part: usize) -> f64 {
+        let rank = self.total / part;
+        let mut below = 0;
+        let found = self.counts.iter().position(|counts| {
+            below += counts.iter().sum::<u32>() as usize;
+            below > rank
+        });
+        found.unwrap_or(0) as f64
+    }
+}

@@ -1,0 +1,132 @@
+"""The compiled kernel and its NumPy twin say the same."""
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from stripe_scenes import line_image, red, ring_brightness
+
+from calibore.errors import ImageError
+from calibore.stripe import Stripe, detect_line, detect_ring, estimator_named
+from calibore.stripe._kernel import DEFAULT_KERNEL
+from calibore.stripe._picture import prepare
+from calibore.stripe._twin import Annulus, ring_numpy
+
+SIMULATED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated"
+FOLDERS = ["plane-3in", "plane-6in", "plane-12in", "plane-30in", "plane-misaligned", "field", "epochs/A"]
+NAMES = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation")
+SHAPE, CENTRE = (190, 210), (106.3, 93.8)
+native = pytest.mark.skipif(DEFAULT_KERNEL != "native", reason="the native kernel was not built")
+
+
+def outcome(image: np.ndarray, **options: Any) -> Stripe | str:
+    arguments: dict = {"inner": 25, "outer": 92, "channel": "red", "rays": 300} | options
+    try:
+        return detect_ring(image, arguments.pop("centre", (104.0, 95.0)), **arguments)
+    except ImageError as error:
+        return str(error)
+
+
+def assert_same(one: Stripe | str, other: Stripe | str) -> None:
+    if isinstance(one, str) or isinstance(other, str):
+        assert one == other
+        return
+    np.testing.assert_array_equal(one.status, other.status)
+    np.testing.assert_allclose([one.u, one.v], [other.u, other.v], atol=1e-4, rtol=0)
+    np.testing.assert_allclose(one.u_position, other.u_position, rtol=1e-3)
+    np.testing.assert_allclose(one.height, other.height, rtol=1e-6)
+    np.testing.assert_allclose(one.correlation, other.correlation, atol=1e-6)
+    for field in ("additive", "gain", "contrast", "width", "grain"):
+        assert getattr(one.noise, field) == pytest.approx(getattr(other.noise, field), rel=1e-6)
+    assert one.scale == pytest.approx(other.scale, rel=1e-6)
+    assert one.centre == pytest.approx(other.centre, abs=1e-6)
+
+
+def scene(kind: str) -> tuple[np.ndarray, dict]:
+    rng = np.random.default_rng(3)
+    ring = ring_brightness(SHAPE, CENTRE, 60.0)
+    image = red((700 if kind == "saturated" else 22 if kind == "faint" else 160) * ring, rng)
+    speckled = red(160 * ring * rng.gamma(3, 1 / 3, SHAPE), rng)
+    options: dict[str, tuple[np.ndarray, dict]] = {
+        "saturated": (image, {}),
+        "faint": (image, {}),
+        "speckled": (speckled, {}),
+        "no ring": (red(np.zeros(SHAPE), rng), {}),
+        "black": (np.zeros((*SHAPE, 3), np.uint8), {}),
+        "noise": (rng.integers(0, 256, (*SHAPE, 3), dtype=np.uint8), {}),
+        "partly outside": (speckled[40:, :150].copy(), {"centre": (104.0, 55.0)}),
+        "far outside": (image, {"centre": (1e5, -3e4)}),
+        "16 bit": (image.astype(np.uint16) * 257, {}),
+        "grey": (image[:, :, 0].copy(), {}),
+        "luma": (image, {"channel": "luma"}),
+        "16 bit luma": (image.astype(np.uint16) * 200, {"channel": "luma"}),
+        "not contiguous": (image[:, :, ::-1], {"channel": "blue"}),
+        "odd rays": (speckled, {"rays": 307}),
+        "off centre": (speckled, {"centre": (118.0, 84.0)}),
+        "sectors": (speckled, {"sectors": [(0.0, 2.0), (3.0, 5.0)]}),
+    }
+    return options[kind]
+
+
+KINDS = [
+    "saturated",
+    "faint",
+    "speckled",
+    "no ring",
+    "black",
+    "noise",
+    "partly outside",
+    "far outside",
+    "16 bit",
+    "grey",
+]
+KINDS += ["luma", "16 bit luma", "not contiguous", "odd rays", "off centre", "sectors"]
+
+
+@native
+@pytest.mark.parametrize("kind", KINDS)
+def test_both_kernels_see_the_same_ring(kind: str) -> None:
+    image, options = scene(kind)
+    assert_same(outcome(image, kernel="native", **options), outcome(image, kernel="numpy", **options))
+
+
+@native
+@pytest.mark.parametrize("name", NAMES)
+def test_both_kernels_agree_for_every_estimator(name: str) -> None:
+    image, _ = scene("speckled")
+    one, other = (outcome(image, kernel=kernel, estimator=name) for kernel in ("native", "numpy"))
+    assert isinstance(one, Stripe)
+    assert_same(one, other)
+    line, _ = line_image(np.random.default_rng(1), columns=160, slope=0.11)
+    assert_same(*(detect_line(line, kernel=kernel, estimator=name) for kernel in ("native", "numpy")))
+
+
+def shared(folder: str) -> tuple[np.ndarray, tuple[float, float], float]:
+    paths = sorted(p for p in (SIMULATED / folder).glob("*") if p.suffix in (".png", ".jpg"))
+    if not paths:
+        pytest.skip(f"no shared images at {SIMULATED / folder}")
+    image = cv2.imread(str(paths[len(paths) // 2]))[:, :, ::-1].copy()
+    height, width = image.shape[:2]
+    return image, (width / 2, height / 2), height / 2 - 4
+
+
+@native
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_both_kernels_agree_on_the_shared_images(folder: str) -> None:
+    image, centre, outer = shared(folder)
+    options: dict = {"centre": centre, "inner": 80.0, "outer": outer, "rays": 1000}
+    assert_same(outcome(image, kernel="native", **options), outcome(image, kernel="numpy", **options))
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_the_guided_scan_finds_what_a_full_one_finds(folder: str) -> None:
+    image, centre, outer = shared(folder)
+    ring = Annulus(centre, 80.0, outer, 1000, np.ones(1000, dtype=bool))
+    full = ring_numpy(prepare(image, "red"), ring, estimator_named("zero-crossing"), guided=False)
+    found = outcome(image, centre=centre, inner=80.0, outer=outer, rays=1000)
+    assert isinstance(found, Stripe)
+    np.testing.assert_array_equal(found.found, full.found)
+    np.testing.assert_allclose([found.u, found.v], [full.u, full.v], atol=1e-9)
+    assert np.mean(found.status != full.status) <= 0.005, "specks between coarse rays may go unseen"
