@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 COARSE = 5
 """Every fifth ray is enough to find the centre and to learn the noise."""
 LEAST_MARGIN = 12.0
-"""Pixels looked at on each side of what the coarse scan found, at least; and how far the centre may move on its word."""
+"""Pixels looked at on each side of what the coarse scan found, at least; and how far its centre may be off."""
 
 
 def guided_spans(position: Array, *, samples: int, spacing: float, shift: float) -> NDArray[np.int64]:
