@@ -36,7 +36,9 @@ def main() -> None:
         print("\n".join(part(sys.argv[1])))
         return
     load = f"{os.getloadavg()[0]:.2f}" if hasattr(os, "getloadavg") else "unknown"
-    machine = f"{platform.machine()}, {os.cpu_count()} cores, load {load} at the start, Python {platform.python_version()}"
+    machine = (
+        f"{platform.machine()}, {os.cpu_count()} cores, load {load} at the start, Python {platform.python_version()}"
+    )
     lines = ["# Benchmarks", f"{machine}; " + ", ".join(f"{name} {version(name)}" for name in PACKAGES), ""]
     for name in PARTS:
         run = subprocess.run([sys.executable, "-m", "benchmarks", name], check=True, capture_output=True, text=True)

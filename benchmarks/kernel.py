@@ -23,10 +23,11 @@ def report(rounds: int = 200) -> list[str]:
         stripe = detect_ring(one.image, CENTRE, inner=INNER, outer=OUTER, channel="red")
         return stripe.u, stripe.v
 
+    search = (one.image, CENTRE, INNER, OUTER, 0)
     contestants = {
         "calibore detect_ring, with noise model and uncertainty": ours,
-        REFERENCE: partial(peer.ring, one.image, CENTRE, INNER, OUTER, 0),
-        "OpenCV warpPolar + centre of gravity": partial(peer.ring, one.image, CENTRE, INNER, OUTER, 0, peer.gravity_peaks),
+        REFERENCE: partial(peer.ring, *search),
+        "OpenCV warpPolar + centre of gravity": partial(peer.ring, *search, peer.gravity_peaks),
     }
     with np.errstate(all="ignore"):
         result = compare(contestants, peer=REFERENCE, rounds=rounds, rng=np.random.default_rng(1))

@@ -29,9 +29,7 @@ class OneImage:
         true, found = self.line - centre, np.stack([u, v], axis=1) - centre
         order = np.argsort(np.arctan2(true[:, 1], true[:, 0]))
         azimuth = np.arctan2(true[:, 1], true[:, 0])[order]
-        expected = np.interp(
-            np.arctan2(found[:, 1], found[:, 0]), azimuth, np.hypot(*true.T)[order], period=2 * np.pi
-        )
+        expected = np.interp(np.arctan2(found[:, 1], found[:, 0]), azimuth, np.hypot(*true.T)[order], period=2 * np.pi)
         error = np.hypot(*found.T) - expected
         good = np.abs(error) < GROSS
         return float(np.sqrt(np.mean(error[good] ** 2))), float(good.mean())

@@ -26,7 +26,7 @@ GROSS = 0.025
 
 
 def one_ring(seed, *, exact, features):
-    """(error, u_independent, u_common, truth, ring) of one simulated picture; the rig file is `exact` or a little wrong."""
+    """(ring, truth, nominal radius) of one simulated picture; the rig file is `exact` or a little wrong."""
     rng = np.random.default_rng([7, seed])
     wall = random_wall(rng, features=features)
     stated = random_rig(rng, wall.nominal_radius)

@@ -1,4 +1,4 @@
-"""The simulated surveys of an independent renderer, measured with the stated calibration and scored against their truth."""
+"""Surveys simulated by an independent renderer, measured with the stated calibration and scored against their truth."""
 
 import importlib.util
 from pathlib import Path
