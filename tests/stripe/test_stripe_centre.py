@@ -62,3 +62,21 @@ def test_sectors_keep_a_feature_from_moving_the_centre() -> None:
     opposite = [(1.3, 3.4), (1.3 + np.pi, 3.4 + np.pi)]
     assert off(None) > 2.0
     assert off(opposite) < 1.0  # it rests when it moves less than 0.5 px, and chords make it move slowly
+
+
+@pytest.mark.parametrize("kernel", ["native", "numpy"])
+@pytest.mark.parametrize("degrees", [60, 120, 150, 200, 300])
+def test_an_arc_is_measured_as_far_as_it_is_there(degrees: float, kernel: str) -> None:
+    truth, shape = (163.4, 151.7), (300, 330)
+    row, column = np.indices(shape)
+    azimuth = np.mod(np.arctan2(row - truth[1], column - truth[0]), 2 * np.pi)
+    arc = ring_brightness(shape, truth, 80.0) * (azimuth < np.deg2rad(degrees))
+    image = red(180 * arc, np.random.default_rng(4))
+    stripe = detect_ring(image, (160, 150), inner=40, outer=130, channel="red", rays=600, kernel=kernel)
+    assert stripe.centre is not None
+    turned = np.mod(np.arctan2(stripe.v - truth[1], stripe.u - truth[0]) + 0.1, 2 * np.pi)
+    seen = np.sort(turned[stripe.found])
+    # its whole length, with no hole, whatever the chord between its ends does to a centroid
+    assert np.degrees(seen[-1] - seen[0]) > degrees - 3
+    assert np.degrees(np.diff(seen).max()) < 3
+    assert np.nanstd(np.hypot(stripe.u - truth[0], stripe.v - truth[1])) < 0.1

@@ -1,6 +1,6 @@
 //! A closed line in an image: find it, centre the rays on it, measure it (see the Python module `_twin`).
 
-use super::centre::area_centroid;
+use super::centre::ring_centre;
 use super::choice::RESOLVED;
 use super::guide::{guided_spans, COARSE, LEAST_MARGIN};
 use super::learn::{first_settings, learn_noise};
@@ -18,7 +18,7 @@ const UNCLEAR: f64 = 0.5;
 const OUTSIDE: &str = "The region where the ring is expected lies outside the image.";
 const NOTHING: &str = "There is no laser ring in the image: nothing stands out from its background.";
 const UNCONNECTED: &str = "There is no laser ring in the image: too few connected peaks to find its centre.";
-const NO_AREA: &str = "There is no laser ring in the image: its peaks enclose no area.";
+const NO_CIRCLE: &str = "There is no laser ring in the image: its peaks lie on no circle.";
 
 /// The ring and the centre its rays start from, or a sentence why there is none.
 pub fn measure<T: Grey>(plane: &Plane<T>, mut ring: Annulus, estimator: Estimator) -> Result<(Line, [f64; 2]), &'static str> {
@@ -85,15 +85,20 @@ pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator) -> Result<L
     Ok(Sight::along(plane, &rays, &settings, |_| (0, rays.samples)).line(&rays, settings))
 }
 
-/// Area centroid of the line in sight, of the rays that are `counted` (one for each ray of the dense set).
+/// Centre of the line in sight, by the rays that are `counted` (one for each ray of the dense set).
 fn centre_of(rays: &Rays, sight: &Sight, counted: &[bool]) -> Result<[f64; 2], &'static str> {
+    let (mut points, mut index) = (Vec::new(), Vec::new());
     let counted = counted.iter().step_by(rays.stride);
-    let seen = rays.rays.iter().zip(&sight.chosen).zip(counted).filter(|((_, (_, status)), counted)| **counted && *status <= RESOLVED);
-    let points: Vec<[f64; 2]> = seen.map(|((ray, (pick, _)), _)| ray.at(sight.candidates.peaks[*pick].position)).collect();
+    for (i, ((ray, (pick, status)), counted)) in rays.rays.iter().zip(&sight.chosen).zip(counted).enumerate() {
+        if *counted && *status <= RESOLVED {
+            points.push(ray.at(sight.candidates.peaks[*pick].position));
+            index.push(i);
+        }
+    }
     if points.len() < FEWEST_TO_CENTRE {
         return Err(UNCONNECTED);
     }
-    area_centroid(&points).ok_or(NO_AREA)
+    ring_centre(&points, &index, rays.rays.len()).ok_or(NO_CIRCLE)
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

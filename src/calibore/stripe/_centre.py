@@ -1,4 +1,7 @@
-"""Where the ring's centre lies: the area centroid of the detected line."""
+"""Where the ring's centre lies: the area centroid of the detected line; of an open arc, the centre of its circle.
+
+The centre only says where the rays start from; what is measured does not depend on it.
+"""
 
 from collections.abc import Sequence
 
@@ -8,6 +11,10 @@ from numpy.typing import NDArray
 from calibore.errors import InputError
 
 Array = NDArray[np.float64]
+WIDEST_GAP = 1 / 3
+"""Of the turn."""
+LEAST_BEND = 1e-9
+"""Least determinant of the points' scatter, relative to its diagonal, that shows a bend."""
 
 
 def area_centroid(column: Array, row: Array) -> tuple[float, float]:
@@ -26,6 +33,33 @@ def area_centroid(column: Array, row: Array) -> tuple[float, float]:
     moment_x = -np.sum((yn - y) * (x**2 + x * xn + xn**2)) / 6
     moment_y = np.sum((xn - x) * (y**2 + y * yn + yn**2)) / 6
     return float(x0 + moment_x / area), float(y0 + moment_y / area)
+
+
+def ring_centre(column: Array, row: Array, seen: NDArray[np.bool_]) -> tuple[float, float]:
+    """Centre of the line at (column, row) (n,) [px] on the rays `seen` (n,), rays in order round the ring.
+
+    Its area centroid; but where more than `WIDEST_GAP` of the turn is missing, the chord across it would pull that
+    centroid off the ring, and the circle through the points (least squares of x^2 + y^2, Kasa 1976) tells better.
+    Raises InputError where the points have no such centre.
+    """
+    index = np.flatnonzero(seen)
+    widest = int(np.max(np.diff(np.append(index, index[0] + seen.size))))
+    if widest > WIDEST_GAP * seen.size:
+        return circle_centre(column[index], row[index])
+    return area_centroid(column[index], row[index])
+
+
+def circle_centre(column: Array, row: Array) -> tuple[float, float]:
+    """Centre of the circle through points (n,), by least squares of its algebraic equation."""
+    x0, y0 = column.mean(), row.mean()
+    x, y = column - x0, row - y0
+    square = x**2 + y**2
+    xx, xy, yy, xs, ys = np.sum(x * x), np.sum(x * y), np.sum(y * y), np.sum(x * square), np.sum(y * square)
+    determinant = xx * yy - xy**2
+    if determinant <= LEAST_BEND * xx * yy:
+        raise InputError("The points lie on a straight line, so they are on no circle.")
+    a, b = (xs * yy - ys * xy) / (2 * determinant), (ys * xx - xs * xy) / (2 * determinant)
+    return float(x0 + a), float(y0 + b)
 
 
 def in_sectors(azimuth: Array, sectors: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:

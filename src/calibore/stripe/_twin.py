@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import ImageError, InputError
 from calibore.status import Status
-from calibore.stripe._centre import area_centroid
+from calibore.stripe._centre import ring_centre
 from calibore.stripe._chain import choose, link
 from calibore.stripe._estimators import Estimator, Peaks, ScanSettings
 from calibore.stripe._guide import COARSE, LEAST_MARGIN, guided_spans
@@ -53,7 +53,7 @@ class Annulus:
 def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided: bool = True) -> Stripe:
     """The ring in `picture`; not `guided`, every ray is scanned in full length. Raises ImageError without a ring.
 
-    Unwrap the annulus, find the line and its area centroid, start again from there until it rests.
+    Unwrap the annulus, find the line and its centre, start again from there until it rests.
     """
     ring, settings, coarse = _approach(picture, ring, estimator)
     recentrings = 0
@@ -131,15 +131,15 @@ def _sight(picture: Picture, rays: Rays, peaks: Peaks, width: float) -> Sight:
 
 
 def _centre(sight: Sight, counted: NDArray[np.bool_]) -> tuple[float, float]:
-    """Area centroid (column, row) of the line in `sight`, of the rays that are `counted`."""
+    """Centre (column, row) of the line in `sight`, by the rays that are `counted`."""
     seen = (sight.status <= Status.RESOLVED) & counted[:: sight.rays.stride]
     if seen.sum() < FEWEST_TO_CENTRE:
         raise ImageError("There is no laser ring in the image: too few connected peaks to find its centre.")
     column, row = sight.rays.at(sight.picked(sight.peaks.position))
     try:
-        return area_centroid(column[seen], row[seen])
+        return ring_centre(column, row, seen)
     except InputError:
-        raise ImageError("There is no laser ring in the image: its peaks enclose no area.") from None
+        raise ImageError("There is no laser ring in the image: its peaks lie on no circle.") from None
 
 
 def _distance(one: tuple[float, float], other: tuple[float, float]) -> float:
