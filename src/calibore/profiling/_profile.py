@@ -13,7 +13,14 @@ from calibore.errors import InputError
 from calibore.images import ImageSource, StationImages
 from calibore.profiling._pipeline import in_order
 from calibore.profiling._placement import Placement, Placer, open_source
-from calibore.profiling._station import Job, StationRefusedError, StationResult, measure_station
+from calibore.profiling._station import (
+    Job,
+    StationLines,
+    StationRefusedError,
+    StationResult,
+    evaluate_station,
+    find_lines,
+)
 from calibore.profiling._summary import Tally, summarise
 from calibore.profiling._take import search_region
 from calibore.rigs import Rig, read_rig
@@ -93,18 +100,17 @@ def measure_scan(
     """Every usable station in order; what could not be used is counted and named in `tally`."""
     reading = _Reading(source, place, tally)
 
-    def work(item: tuple[StationImages, Placement]) -> StationResult | StationRefusedError:
-        try:
-            return measure_station(*item, job)
-        except StationRefusedError as refused:
-            return refused
+    def work(item: tuple[StationImages, Placement]) -> tuple[StationLines, Placement]:
+        return find_lines(item[0], job), item[1]
 
-    for result in in_order(reading, work, workers=workers):
-        if isinstance(result, StationRefusedError):
-            tally.refuse(result.images)
-        else:
-            tally.add(result)
-            yield result
+    for lines, placement in in_order(reading, work, workers=workers):
+        try:
+            result = evaluate_station(lines, placement, job)
+        except StationRefusedError as refused:
+            tally.refuse(refused.images)
+            continue
+        tally.add(result)
+        yield result
     tally.leave_out(reading.unplaced, source.refusals, expected=place.expected)
 
 

@@ -13,10 +13,11 @@ from calibore.images import ImageFileError, Pixels, StationImages
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._grid import Ring, grid_ring
 from calibore.profiling._placement import Placement
-from calibore.profiling._take import Search, TakePoints, measure_take, search_region
+from calibore.profiling._take import Search, TakePoints, find_line, measure_take, place_on_wall, search_region
 from calibore.profiling._takes import combine_takes
 from calibore.rigs import Rig
 from calibore.scans import RingPoints, RingProfile, ScanSpec
+from calibore.stripe import Stripe
 from calibore.uncertainty import Covariance, Quantity, propagate
 
 Array = NDArray[np.float64]
@@ -80,25 +81,56 @@ def measure_image(image: Pixels, job: Job) -> Ring:
     return grid_ring(take, job.covariance, stripe=job.rig.stripe)
 
 
-def measure_station(images: StationImages, placement: Placement, job: Job) -> StationResult:
-    """Everything of one station; raises StationRefusedError where none of its images can be used.
+@dataclass(frozen=True)
+class StationLines:
+    """The lines found in the images of one station: `stripes` in the takes `numbers`; `refused` images had none."""
 
-    Takes in which the rig's laser is not lit (`Laser.takes`) are no part of it.
+    images: StationImages
+    numbers: tuple[int, ...]
+    stripes: tuple[Stripe, ...]
+    refused: tuple[RefusedImage, ...]
+
+
+def find_lines(images: StationImages, job: Job) -> StationLines:
+    """Read the images of a station and find the line in each; an image that cannot be used is refused.
+
+    Takes in which the rig's laser is not lit (`Laser.takes`) are no part of it. Nearly all of this runs in compiled
+    code that does not hold Python's lock, so it gains from threads; the rest of a station would only wait for the lock.
     """
-    takes: list[TakePoints] = []
-    numbers: list[int] = []
-    refused: list[RefusedImage] = []
     lit = [number for number in images.takes if job.rig.lasers[0].is_lit(number)]
-    if not lit:
-        refused = [RefusedImage(images.name(number), NOT_LIT) for number in images.takes]
+    refused = [] if lit else [RefusedImage(images.name(number), NOT_LIT) for number in images.takes]
+    numbers, stripes = [], []
     for number in lit:
         try:
             picture = images.read(number)
-            takes.append(measure_take(picture, job.rig, job.search, channel=job.channel, estimator=job.estimator))
+            stripes.append(find_line(picture, job.rig, job.search, channel=job.channel, estimator=job.estimator))
             numbers.append(number)
         except ImageError as error:
-            reason = error.reason if isinstance(error, ImageFileError) else str(error)
-            refused.append(RefusedImage(images.name(number), reason.rstrip(".")))
+            refused.append(_refusal(images.name(number), error))
+    return StationLines(images, tuple(numbers), tuple(stripes), tuple(refused))
+
+
+def _refusal(name: str, error: ImageError) -> RefusedImage:
+    reason = error.reason if isinstance(error, ImageFileError) else str(error)
+    return RefusedImage(name, reason.rstrip("."))
+
+
+def measure_station(images: StationImages, placement: Placement, job: Job) -> StationResult:
+    """Everything of one station; raises StationRefusedError where none of its images can be used."""
+    return evaluate_station(find_lines(images, job), placement, job)
+
+
+def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> StationResult:
+    """Everything that follows from the lines of one station; raises StationRefusedError where none is of use."""
+    images, refused = lines.images, list(lines.refused)
+    takes: list[TakePoints] = []
+    numbers: list[int] = []
+    for number, stripe in zip(lines.numbers, lines.stripes, strict=True):
+        try:
+            takes.append(place_on_wall(stripe, job.rig))
+            numbers.append(number)
+        except ImageError as error:
+            refused.append(_refusal(images.name(number), error))
     if not takes:
         raise StationRefusedError(refused)
     rings = [grid_ring(take, job.covariance, stripe=job.rig.stripe) for take in takes]

@@ -81,6 +81,11 @@ def _distances(rig: Rig, radius: float, centre: tuple[float, float]) -> Array:
 
 def measure_take(image: NDArray[np.generic], rig: Rig, search: Search, *, channel: str, estimator: str) -> TakePoints:
     """Wall points of one image; raises ImageError where it cannot be used."""
+    return place_on_wall(find_line(image, rig, search, channel=channel, estimator=estimator), rig)
+
+
+def find_line(image: NDArray[np.generic], rig: Rig, search: Search, *, channel: str, estimator: str) -> Stripe:
+    """The line in one image of the rig's camera; raises ImageError where there is none."""
     height, width = image.shape[:2]
     if (width, height) != (rig.camera.width, rig.camera.height):
         raise ImageError(
@@ -88,7 +93,7 @@ def measure_take(image: NDArray[np.generic], rig: Rig, search: Search, *, channe
             "use the rig file of the camera that took it"
         )
     try:
-        stripe = detect_ring(
+        return detect_ring(
             image, search.centre, inner=search.inner, outer=search.outer, channel=channel, estimator=estimator
         )
     except ImageError as error:
@@ -97,6 +102,10 @@ def measure_take(image: NDArray[np.generic], rig: Rig, search: Search, *, channe
             f"{why[:1].lower()}{why[1:]} ({_exposure(image, channel)}, {search}); check exposure, laser.channel and "
             "pipe.nominal_radius"
         ) from error
+
+
+def place_on_wall(stripe: Stripe, rig: Rig) -> TakePoints:
+    """The line as points of the wall; raises ImageError where none of it lies on the laser's surface."""
     points = triangulate(rig, stripe.u, stripe.v)
     status = np.where(points.status == Status.OK, stripe.status, points.status)
     status = np.where(stripe.found, status, stripe.status).astype(np.uint8)
