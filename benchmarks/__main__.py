@@ -1,4 +1,7 @@
-"""`python -m benchmarks`: all tables as Markdown, on standard output and in benchmarks/out/report.md."""
+"""`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
+
+`python -m benchmarks coverage` and `ovality` run the long accuracy studies instead (a minute or two each).
+"""
 
 import os
 
@@ -17,7 +20,7 @@ PARTS = ("kernel", "end_to_end_one", "end_to_end_two", "startup")
 
 def part(name: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
-    from benchmarks import end_to_end, kernel, startup, timing
+    from benchmarks import end_to_end, kernel, startup, studies, timing
 
     if name in ("kernel", "end_to_end_one"):
         timing.pin_to_one_core()
@@ -26,6 +29,8 @@ def part(name: str) -> list[str]:
         "end_to_end_one": lambda: end_to_end.report(1),
         "end_to_end_two": lambda: end_to_end.report(2),
         "startup": startup.report,
+        "coverage": studies.coverage,
+        "ovality": studies.ovality,
     }
     return tables[name]()
 

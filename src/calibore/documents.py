@@ -31,7 +31,6 @@ def _quantity(dimension: str) -> Any:
 _UNIT = {"length": "mm", "angle": "deg", "time": "s"}
 Length = Annotated[float, _quantity("length")]
 Angle = Annotated[float, _quantity("angle")]
-Time = Annotated[float, _quantity("time")]
 
 Model = TypeVar("Model", bound=BaseModel)
 

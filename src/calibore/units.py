@@ -44,8 +44,3 @@ def parse_quantity(text: str, dimension: str) -> float:
         return float(_registry().Quantity(float(number), symbol).to(unit).magnitude)
     except Exception as error:  # pint raises half a dozen unrelated types on what it does not know
         raise InputError(f'"{text}" is not {example}.') from error
-
-
-def format_length(metres: float, unit: str = "mm", *, digits: int = 3) -> str:
-    """`0.1524` -> `"152.400 mm"`."""
-    return f"{metres / parse_quantity(f'1 {unit}', 'length'):.{digits}f} {unit}"

@@ -50,11 +50,6 @@ class WallGrid:
         """Number of regular directions over half a turn."""
         return self.regular // 2
 
-    @property
-    def beyond_noise(self) -> Array:
-        """Columns (g, c) of `possible` other than the noise of the smooth series: modes, gaps, features."""
-        return self.possible[:, self.core - len(self.modes) - 1 :]
-
     def diameters(self, which: str) -> Array:
         """D (b, half) in the regular directions: of the "best" or "freed" wall (b = 1), of "again" or "possible"."""
         radii = self.freed if which == "freed" else self.best

@@ -38,7 +38,6 @@ class Feature:
     points: NDArray[np.intp]
     columns: NDArray[np.intp]
     smoother: Array
-    smoother_at_points: Array
     spread: Array
     noise: Array
 
@@ -86,7 +85,7 @@ def feature_between(
     smoother = to_points @ inverse
     left = np.outer(size_at_grid, size_at_grid) * matern(to[:, None] - to[None, :], length) - smoother @ to_points.T
     left = 0.5 * (left + left.T) + 1e-12 * np.max(size) ** 2 * np.eye(to.size)
-    return Feature(points, columns, smoother, kernel @ inverse, factor(left) if to.size else left, factor(covariance))
+    return Feature(points, columns, smoother, factor(left) if to.size else left, factor(covariance))
 
 
 def matern(distance: Array, length: float) -> Array:

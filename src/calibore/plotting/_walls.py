@@ -30,10 +30,6 @@ class Wall:
     centred: bool
 
     @property
-    def measured_fraction(self) -> float:
-        return float(np.isfinite(self.radius).mean())
-
-    @property
     def origin(self) -> str:
         return "fitted centre of each ring" if self.centred else "rig axis"
 
