@@ -64,6 +64,8 @@ def validate(data: dict[str, Any], model: type[Model], *, path: Path) -> Model:
         raise InputError(f"{path}: {_sentence(mistake, model)}{more}") from error
 
 
+UNNAMED = "function-"
+"""Parts of a place that begin so are no keys of the document: pydantic's own, and the tags of alternatives."""
 SHOWN = 60
 """Characters of a wrong value that are worth repeating."""
 REWORDED = {
@@ -79,7 +81,7 @@ REWORDED = {
 
 
 def _sentence(mistake: Any, model: type[BaseModel]) -> str:
-    where = tuple(part for part in mistake["loc"] if not str(part).startswith("function-"))
+    where = tuple(part for part in mistake["loc"] if not str(part).startswith(UNNAMED))
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in where).removeprefix(".")
     if mistake["type"] == "missing":
         return f"key {key} is missing; add it."

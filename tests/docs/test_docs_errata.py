@@ -179,7 +179,7 @@ def test_7_10_mirrors_what_lies_on_the_other_side_of_the_centre_column():
     assert np.allclose(printed, [8.004, 5.441], atol=0.0005)
     assert np.allclose(right, 8.004, atol=0.0005)
     camera = rig().camera
-    above, below = camera.unproject([p, p], rows)
+    above, below = camera.unproject([p, p], rows).direction
     assert np.allclose(above, below * [1, -1, 1], atol=1e-15)  # sine and cosine as ratios: no arctangent, no mirror
 
 

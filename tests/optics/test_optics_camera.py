@@ -47,7 +47,7 @@ def with_imaginary(camera, name):
 
 def slope(camera, u, v):
     with np.errstate(invalid="ignore"):  # complex NaN divided by complex NaN, outside the lens
-        return camera.unproject(u, v).imag / STEP
+        return camera.unproject(u, v).direction.imag / STEP
 
 
 def pixels(rng, n=400):
@@ -61,7 +61,7 @@ def test_a_ray_hits_the_pixel_it_came_through(law):
     for residual in (False, True):
         for _ in range(10):
             cam, (u, v) = camera(law, rng, residual=residual), pixels(rng)
-            rays = cam.unproject(u, v)
+            rays = cam.unproject(u, v).direction
             seen = np.isfinite(rays[:, 0])
             assert seen.mean() > 0.4
             again = cam.project(rays[seen] * rng.uniform(0.1, 10, (seen.sum(), 1)))
@@ -97,7 +97,7 @@ def test_the_polynomial_law_is_an_odd_polynomial_of_the_zenith():
 
 def test_azimuth_runs_from_u_towards_v_and_aspect_stretches_v():
     cam = Camera(1000, 800, Lens("equidistant", 500.0, 400.0), (500.0, 400.0), 1.1)
-    right, down = cam.unproject([600.0, 500.0], [400.0, 510.0])
+    right, down = cam.unproject([600.0, 500.0], [400.0, 510.0]).direction
     assert np.allclose(right, [np.sin(0.2), 0, np.cos(0.2)])
     assert np.allclose(down, [0, np.sin(0.2), np.cos(0.2)])
 
@@ -108,8 +108,8 @@ def test_sensitivities_of_a_ray_are_exact(law, residual):
     rng = np.random.default_rng(2)
     for _ in range(5):
         cam, (u, v) = camera(law, rng, residual=residual), pixels(rng)
-        rays, d_pixel, d_parameters = cam.unproject_with_sensitivities(u, v)
-        assert np.array_equal(rays, cam.unproject(u, v), equal_nan=True)
+        _, rays, _, d_pixel, _, d_parameters = cam.unproject_with_sensitivities(u, v)
+        assert np.array_equal(rays, cam.unproject(u, v).direction, equal_nan=True)
         assert d_parameters.shape == (u.size, 3, len(cam.parameter_names))
         pairs = [(d_pixel[:, :, 0], slope(cam, u + 1j * STEP, v)), (d_pixel[:, :, 1], slope(cam, u, v + 1j * STEP))]
         for i, name in enumerate(cam.parameter_names):
@@ -122,7 +122,7 @@ def test_sensitivities_of_a_ray_are_exact(law, residual):
 
 def test_the_ray_through_the_principal_point_has_finite_sensitivities():
     cam = Camera(1000, 800, Lens("sine-law", 500.0, 400.0, -0.01), (500.0, 400.0))
-    ray, d_pixel, d_parameters = cam.unproject_with_sensitivities([500.0], [400.0])
+    _, ray, _, d_pixel, _, d_parameters = cam.unproject_with_sensitivities([500.0], [400.0])
     assert np.allclose(ray, [[0, 0, 1]])
     assert np.allclose(d_pixel[0], np.array([[1, 0], [0, 1], [0, 0]]) / 500, rtol=1e-12)
     assert np.isfinite(d_parameters).all()

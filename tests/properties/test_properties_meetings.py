@@ -37,7 +37,7 @@ def test_every_triangulated_point_lies_on_its_surface_on_its_ray_and_is_lit(rig,
     u, v = aimed_everywhere(seed)
     result, surface = triangulate(rig, u, v), rig.lasers[0].surface
     measured = result.status == Status.OK
-    points, rays = result.points[measured], rig.camera.unproject(u, v)[measured]
+    points, rays = result.points[measured], rig.camera.unproject(u, v).direction[measured]
     size = np.linalg.norm(points, axis=1)
     assert (np.abs(surface.value(points)) <= 1e-9 * size).all()
     assert (np.abs(np.cross(points, rays)) <= 1e-9 * size[:, None]).all()
@@ -57,7 +57,7 @@ def test_a_point_has_a_value_exactly_when_its_status_says_so(rig, seed):
         assert np.isfinite(array[measured]).all()
         assert np.isnan(array[~measured]).all()
     assert (result.status[::7] == Status.NO_PEAK).all()
-    lost = np.isnan(rig.camera.unproject(u, v)[:, 0]) & np.isfinite(u)
+    lost = np.isnan(rig.camera.unproject(u, v).direction[:, 0]) & np.isfinite(u)
     assert np.array_equal(result.status == Status.OUTSIDE_LENS, lost)
 
 

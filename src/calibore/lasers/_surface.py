@@ -1,4 +1,4 @@
-"""What a laser surface is, and what a meeting of a camera ray with it looks like."""
+"""What a laser surface is, what a meeting of a camera ray with it looks like, and where meetings cease to exist."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -25,7 +25,8 @@ class MeetingFlag(IntFlag):
 class Meetings:
     """`distance` (m, n) along each of n rays to its m possible meetings, and their `flags` (m, n) uint8.
 
-    A meeting is admissible, that is lit and seen, when it exists and is neither grazing nor behind.
+    A meeting is admissible, that is lit and seen, when it exists and is neither grazing nor behind. Where there is
+    none, the distance is NaN or infinite.
     """
 
     distance: NDArray[Any]
@@ -34,6 +35,22 @@ class Meetings:
     @property
     def admissible(self) -> NDArray[np.bool_]:
         return (self.flags != MeetingFlag.NONE) & (self.flags & (MeetingFlag.GRAZING | MeetingFlag.BEHIND) == 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Frontier:
+    """Functions of n rays that fall to 0 where a meeting ceases to exist, with their derivatives.
+
+    `value` (k, n); `by_origin`, `by_direction` (k, n, 3); `by_parameters` (k, n, q); `second_order` (k, m): the margin
+    of meeting j is the least over k of value_k / (second_order[k, j] u(value_k)), rows of second order 0 left out. A
+    value is infinite, and its derivatives are 0, where that frontier does not concern the ray.
+    """
+
+    value: NDArray[Any]
+    by_origin: NDArray[Any]
+    by_direction: NDArray[Any]
+    by_parameters: NDArray[Any]
+    second_order: NDArray[np.float64]
 
 
 class LaserSurface(ABC):
@@ -56,3 +73,7 @@ class LaserSurface(ABC):
     @abstractmethod
     def meet(self, origins: NDArray[Any], directions: NDArray[Any]) -> Meetings:
         """All meetings of the rays `origins` (n, 3) or (3,) + distance x unit `directions` (n, 3)."""
+
+    @abstractmethod
+    def frontier(self, origins: NDArray[Any], directions: NDArray[Any]) -> Frontier:
+        """How far the meetings of the same rays are from ceasing to exist."""

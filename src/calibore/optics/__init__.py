@@ -3,10 +3,24 @@
 `LENS_LAWS`  the laws r = k f(zenith) by name
 `Lens`       a law with its k [px] and radial residual
 `Camera`     a lens on a sensor: `unproject` (pixel to ray, with sensitivities) and `project` (point to pixel)
+`FlatPort`   a window between the camera and the scene
+`Rays`       where camera rays start and go; `RaysWithSensitivities` also says what moves them
 """
 
 from calibore.optics._camera import Camera
 from calibore.optics._laws import LENS_LAWS, LENS_NAMES, LensLaw, polynomial_law
 from calibore.optics._lens import Lens
+from calibore.optics._port import FlatPort
+from calibore.optics._rays import Rays, RaysWithSensitivities
 
-__all__ = ["LENS_LAWS", "LENS_NAMES", "Camera", "Lens", "LensLaw", "polynomial_law"]
+__all__ = [
+    "LENS_LAWS",
+    "LENS_NAMES",
+    "Camera",
+    "FlatPort",
+    "Lens",
+    "LensLaw",
+    "Rays",
+    "RaysWithSensitivities",
+    "polynomial_law",
+]

@@ -1,24 +1,44 @@
 """Cameras and laser surfaces that move together, and the heart: a camera ray meets a laser surface.
 
-`Rig`, `Laser`   what a rig file describes
-`read_rig`       rig.toml (formats.md, section 3)
+`Rig`, `Laser`   what a rig file describes; `CONFIGURATIONS` it may name
+`Mount`          where the camera stands in the rig: `FORWARD`, or `SideFacing` on a rotating head
+`read_rig`, `write_rig`   rig.toml (formats.md, section 3)
 `triangulate`    pixels to wall points, with sensitivities to pixel and parameters
+`meetings_of`, `follow_stripe`   all meetings of the rays, and which of them a stripe is made of
+`margin`         how far a meeting is from where first-order uncertainty, or the meeting itself, ceases to be
 `project_ring`   where a round wall would appear in the image
 """
 
+from calibore.rigs._candidates import Candidates, follow_stripe, meetings_of
+from calibore.rigs._configurations import CONFIGURATIONS, Configuration
+from calibore.rigs._defaults import DEFAULT_LENGTH_LIMIT
+from calibore.rigs._margin import margin
+from calibore.rigs._mount import FORWARD, Forward, Mount, SideFacing
 from calibore.rigs._reading import read_rig
-from calibore.rigs._rig import CHANNELS, DEFAULT_BASELINE_LIMIT, Laser, Rig
+from calibore.rigs._rig import CHANNELS, Laser, Rig
 from calibore.rigs._ring import project_ring
 from calibore.rigs._triangulation import Sensitivities, Triangulation, triangulate
+from calibore.rigs._writing import write_rig
 
 __all__ = [
     "CHANNELS",
-    "DEFAULT_BASELINE_LIMIT",
+    "CONFIGURATIONS",
+    "DEFAULT_LENGTH_LIMIT",
+    "FORWARD",
+    "Candidates",
+    "Configuration",
+    "Forward",
     "Laser",
+    "Mount",
     "Rig",
     "Sensitivities",
+    "SideFacing",
     "Triangulation",
+    "follow_stripe",
+    "margin",
+    "meetings_of",
     "project_ring",
     "read_rig",
     "triangulate",
+    "write_rig",
 ]

@@ -1,25 +1,33 @@
 """The tables of a rig file (formats.md, section 3), each key with what it may be."""
 
+from dataclasses import MISSING, fields
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, Strict
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Strict, Tag, create_model
 
-from calibore.documents import Document, Length
-
-CONFIGURATIONS = ("perpendicular-plane", "single-cone", "dual-cone", "side-facing", "coaxial-cone", "rotating-spot")
-SUPPORTED = ("perpendicular-plane",)
+from calibore.documents import UNNAMED, Angle, Document, Length
+from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 
 Number = Annotated[float, Strict()]
 Positive = Annotated[Number, Field(gt=0)]
-StandardUncertainty = Annotated[Number, Field(ge=0)]
 Whole = Annotated[int, Strict(), Field(gt=0)]
+LENGTHS = frozenset({"baseline", "offset", "x", "y", "z"})
+ANGLES = frozenset({"aim", "half_angle", "clock", "zenith"})
+
+
+def quantity_of(name: str) -> Any:
+    """The type of a laser's key: a length, an angle or a pure number (slopes)."""
+    return Length if name in LENGTHS else Angle if name in ANGLES else Number
+
+
+def _value_of(name: str) -> Any:
+    """The same, within what makes sense for a value."""
+    return Annotated[quantity_of(name), Field(gt=0)] if name in ("baseline", "half_angle") else quantity_of(name)
 
 
 def _known(configuration: str) -> str:
     if configuration not in CONFIGURATIONS:
         raise ValueError(f"it is not known; allowed: {', '.join(CONFIGURATIONS)}")
-    if configuration not in SUPPORTED:
-        raise ValueError(f"it is known, but this version can only profile with: {', '.join(SUPPORTED)}")
     return configuration
 
 
@@ -33,6 +41,13 @@ class Heading(Document):
     laser: Any = None
 
 
+class PortTable(Document):
+    thickness: Annotated[Length, Field(gt=0)]
+    index: Positive
+    distance: Annotated[Length, Field(ge=0)] = 0.0
+    medium_index: Positive = 1.0
+
+
 class CameraTable(Document):
     width: Whole
     height: Whole
@@ -43,28 +58,20 @@ class CameraTable(Document):
     c2: Number = 0.0
     aspect: Positive = 1.0
     polynomial: tuple[Number, ...] = ()
+    pupil_walk: tuple[Length, ...] = ()
+    port: PortTable | None = None
 
 
-class PlaneTable(Document):
-    baseline: Annotated[Length, Field(gt=0)]
-    tilt_x: Number = 0.0
-    tilt_y: Number = 0.0
+class LaserTable(Document):
+    """What every laser may say; the keys of its surface come from the configuration."""
+
     channel: Literal["red", "green", "blue", "luma"] | None = None
     takes: Annotated[tuple[Annotated[int, Strict()], ...], Field(min_length=1)] | None = None
 
 
-class UncertaintyTable(Document):
-    """Standard uncertainties (k = 1) of independent inputs; `principal_point` [px] counts for u and for v."""
-
-    baseline: Annotated[Length, Field(ge=0)] | None = None
-    tilt_x: StandardUncertainty | None = None
-    tilt_y: StandardUncertainty | None = None
-    k: StandardUncertainty | None = None
-    c1: StandardUncertainty | None = None
-    c2: StandardUncertainty | None = None
-    aspect: StandardUncertainty | None = None
-    principal_point: StandardUncertainty | None = None
-    stripe: StandardUncertainty | None = None
+class CorrelationTable(Document):
+    between: tuple[str, str]
+    coefficient: Annotated[Number, Field(ge=-1, le=1)]
 
 
 class CalibrationTable(Document):
@@ -74,21 +81,75 @@ class CalibrationTable(Document):
     evidence: str | None = None
 
 
-class _RigFile(Document):
-    format: str
-    configuration: str
-    camera: CameraTable
-    uncertainty: UncertaintyTable = UncertaintyTable()
-    calibration: CalibrationTable | None = None
+Shape = Literal["normal", "rectangular", "triangular", "arcsine"]
 
 
-class SingleLaserFile(_RigFile):
-    """With one [laser] table."""
+def _stated(quantity: Any, name: str) -> Any:
+    """A standard uncertainty: a number, or a table with `u` or `limits` (half width), distribution and degrees of
+    freedom.
+    """
+    least: Any = Annotated[quantity, Field(ge=0)]
+    freedom: Any = Positive
+    keys: dict[str, Any] = {
+        "u": (least | None, None),
+        "limits": (least | None, None),
+        "distribution": (Shape | None, None),
+        "degrees_of_freedom": (freedom | None, None),
+    }
+    table: Any = create_model(f"Uncertainty of {name}", __base__=Document, **keys)
+    return Annotated[
+        Annotated[table, Tag(UNNAMED + "table")] | Annotated[least, Tag(UNNAMED + "number")],
+        Discriminator(lambda value: UNNAMED + ("table" if isinstance(value, dict) else "number")),
+    ]
 
-    laser: PlaneTable
+
+def laser_keys(configuration: Configuration) -> dict[str, float | None]:
+    """Keys of the configuration's laser table with their defaults, None where a key is needed."""
+    fixed = dict(configuration.fixed)
+    own: Any = configuration.surface
+    defaults = {field.name: field.default for field in fields(own) if field.name not in fixed}
+    keys = {name: None if default is MISSING else float(default) for name, default in defaults.items()}
+    if configuration.side_facing:
+        keys = {"baseline": None, "aim": None, **keys}
+    if configuration.reversed:
+        keys["offset"] = None
+    return keys
 
 
-class ListedLasersFile(_RigFile):
-    """With [[laser]] tables; a perpendicular plane has one."""
+CAMERA_INPUTS = ("k", "c1", "c2", "aspect", "principal_point")
 
-    laser: Annotated[tuple[PlaneTable, ...], Field(min_length=1, max_length=1)]
+
+def rig_file(configuration: Configuration, *, listed: bool) -> type[Document]:
+    """The model of a rig file of this configuration, its lasers in one [laser] or in `listed` [[laser]] tables."""
+    keys = laser_keys(configuration)
+    values: dict[str, Any] = {
+        name: (_value_of(name), ...) if default is None else (_value_of(name), default)
+        for name, default in keys.items()
+    }
+    laser: Any = create_model("LaserTable", __base__=LaserTable, **values)
+    if listed:
+        least, most = configuration.lasers
+        laser = Annotated[tuple[laser, ...], Field(min_length=least, max_length=most)]
+    stripe: Any = Annotated[Number, Field(ge=0)]
+    inputs: dict[str, Any] = {"stripe": (stripe | None, None)}
+    inputs |= {name: (_stated(quantity_of(name), name) | None, None) for name in keys}
+    inputs |= {name: (_stated(Number, name) | None, None) for name in CAMERA_INPUTS}
+    port = {"port_thickness": Length, "port_index": Number, "port_distance": Length, "port_medium_index": Number}
+    inputs |= {name: (_stated(quantity, name) | None, None) for name, quantity in port.items()}
+    uncertainty: Any = create_model(
+        "UncertaintyTable",
+        __base__=Document,
+        pupil_walk=(tuple[Annotated[Length, Field(ge=0)], ...], ()),
+        correlation=(tuple[CorrelationTable, ...], ()),
+        **inputs,
+    )
+    return create_model(
+        "RigFile",
+        __base__=Document,
+        format=(str, ...),
+        configuration=(str, ...),
+        camera=(CameraTable, ...),
+        laser=(laser, ...),
+        uncertainty=(uncertainty, uncertainty()),
+        calibration=(CalibrationTable | None, None),
+    )

@@ -1,17 +1,19 @@
 """A rig: a camera, the laser surfaces that move with it, and how well its parameters are known."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from calibore.errors import InputError
 from calibore.lasers import LaserSurface
 from calibore.optics import Camera
+from calibore.rigs._defaults import default_inputs
+from calibore.rigs._mount import FORWARD, Mount
 from calibore.uncertainty import Covariance
 
 CHANNELS = ("red", "green", "blue", "luma")
-BASELINE = "laser.baseline"
-DEFAULT_BASELINE_LIMIT = 0.001  # of the nominal radius, as limits (Swanbom 2007, section 4.3.2)
 
 
 @dataclass(frozen=True)
@@ -34,11 +36,11 @@ class Laser:
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """The rig frame is the camera frame (forward-looking rigs).
+    """A camera on its `mount` and the laser surfaces, in the rig frame.
 
     `covariance` of the parameters (names as `parameter_names`, SI), shared by the whole scan; None where nothing is
     stated. `stripe` [px]: stated standard uncertainty of a line position, None where the image shall tell.
-    `default_uncertainty`: the baseline's uncertainty is the default, not stated by the rig file.
+    `default_uncertainty`: the uncertainty of the laser's lengths is the default, not stated by the rig file.
     """
 
     configuration: str
@@ -48,31 +50,62 @@ class Rig:
     stripe: float | None = None
     default_uncertainty: bool = False
     degrees_of_freedom: float | None = None
+    mount: Mount = FORWARD
 
     def __post_init__(self) -> None:
         if not self.lasers:
             raise InputError("A rig needs at least one laser, got none; add a [laser] table.")
         if self.stripe is not None and not 0 <= self.stripe < np.inf:
             raise InputError(f"The stripe's standard uncertainty must not be negative, got {self.stripe} px.")
-        unknown = set(self.covariance.names if self.covariance else ()) - set(self.parameter_names())
+        unknown = set(self.covariance.names if self.covariance else ()) - set(self.parameter_names)
         if unknown:
             raise InputError(
-                f"This rig has no parameter {', '.join(sorted(unknown))}; allowed: {', '.join(self.parameter_names())}."
+                f"This rig has no parameter {', '.join(sorted(unknown))}; allowed: {', '.join(self.parameter_names)}."
             )
 
-    def parameter_names(self, laser: int = 0) -> tuple[str, ...]:
-        """Dotted paths of the parameters that a measurement with this laser depends on."""
-        surface = self.lasers[laser].surface
-        return (*(f"laser.{name}" for name in surface.parameter_names), *self.camera.parameter_names)
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Dotted paths of all parameters: those of every laser's surface, of the mount, of the camera."""
+        surfaces = (
+            f"{self.laser_table(number)}.{name}"
+            for number, laser in enumerate(self.lasers)
+            for name in laser.surface.parameter_names
+        )
+        return (*surfaces, *(f"laser.{name}" for name in self.mount.parameter_names), *self.camera.parameter_names)
+
+    def laser_table(self, laser: int) -> str:
+        """First part of the names of a laser's parameters: "laser", or "laser.0", "laser.1" where there are more."""
+        return "laser" if len(self.lasers) == 1 else f"laser.{laser}"
+
+    def among_all(self, by_surface: NDArray[Any], *, laser: int) -> NDArray[Any]:
+        """Derivatives (..., q) by the surface of `laser`, with columns of zeros for the surfaces of the others."""
+        before = sum(len(one.surface.parameter_names) for one in self.lasers[:laser])
+        after = sum(len(one.surface.parameter_names) for one in self.lasers[laser + 1 :])
+        if before == after == 0:
+            return by_surface
+        return np.pad(by_surface, [(0, 0)] * (by_surface.ndim - 1) + [(before, after)])
+
+    def knowing(self, covariance: Covariance | None, degrees_of_freedom: float | None = None) -> "Rig":
+        """This rig with other uncertainties of its parameters."""
+        return replace(self, covariance=covariance, degrees_of_freedom=degrees_of_freedom, default_uncertainty=False)
+
+    def project(self, points: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Pixels u, v (n,) of `points` (n, 3) of the rig frame; NaN for points outside the lens's range."""
+        return self.camera.project(self.mount.camera_points(np.asarray(points)))
 
     def with_default_uncertainty(self, nominal_radius: float) -> "Rig":
-        """This rig with the default for a baseline of unstated uncertainty: +-0.1 % of `nominal_radius` [m] as limits
-        of a rectangular distribution (JCGM 100, 4.3.7). Whoever knows better states it in the rig file.
+        """This rig with the default for lasers of unstated uncertainty (`default_inputs`), for a pipe of
+        `nominal_radius` [m]. Whoever knows better states it in the rig file.
         """
-        if self.covariance is not None and BASELINE in self.covariance.names:
-            return self
         if not 0 < nominal_radius < np.inf:
             raise InputError(f"The nominal radius must be positive, got {nominal_radius} m.")
-        default = Covariance.independent({BASELINE: DEFAULT_BASELINE_LIMIT * nominal_radius / np.sqrt(3)})
-        covariance = default if self.covariance is None else self.covariance.joined(default)
-        return replace(self, covariance=covariance, default_uncertainty=True)
+        stated = set(self.covariance.names if self.covariance else ())
+        rig = self
+        for number, laser in enumerate(self.lasers):
+            default = default_inputs(laser.surface, self.mount, nominal_radius, table=self.laser_table(number))
+            missing = [name for name in default.names if name not in stated]
+            if missing:
+                default = default.restricted(missing)
+                covariance = default if rig.covariance is None else rig.covariance.joined(default)
+                rig = replace(rig, covariance=covariance, default_uncertainty=True)
+        return rig

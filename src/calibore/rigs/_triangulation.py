@@ -7,12 +7,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from calibore.errors import InputError
 from calibore.geometry import clock_of
-from calibore.lasers import MeetingFlag, Meetings
+from calibore.lasers import MeetingFlag
+from calibore.optics import RaysWithSensitivities
+from calibore.rigs._candidates import Candidates, candidates_along, nearest_branch
 from calibore.rigs._rig import Rig
 from calibore.status import Status
 
-PUPIL = np.zeros(3)  # rays leave the entrance pupil, which is the origin of the rig frame
+Array = NDArray[np.float64]
 
 
 class Sensitivities(NamedTuple):
@@ -27,7 +30,7 @@ class Triangulation:
     """Wall points in the rig frame; rows whose `status` carries no value are NaN throughout.
 
     `points` (n, 3) [m]; `status` (n,) uint8; `d_pixel` (n, 3, 2) [m/px]; `d_parameters` (n, 3, p) [m per SI or px] in
-    the order of `parameter_names`.
+    the order of `parameter_names`; `branch` (n,) which of the surface's meetings it is.
     """
 
     points: NDArray[Any]
@@ -35,6 +38,7 @@ class Triangulation:
     d_pixel: NDArray[Any]
     d_parameters: NDArray[Any]
     parameter_names: tuple[str, ...]
+    branch: NDArray[np.intp]
 
     @cached_property
     def radius(self) -> NDArray[Any]:
@@ -77,40 +81,68 @@ class Triangulation:
         return Sensitivities(x * by_pixel[:, 0] + y * by_pixel[:, 1], x * by_parameters[:, 0] + y * by_parameters[:, 1])
 
 
-def triangulate(rig: Rig, u: ArrayLike, v: ArrayLike, *, laser: int = 0) -> Triangulation:
+def triangulate(
+    rig: Rig,
+    u: ArrayLike,
+    v: ArrayLike,
+    *,
+    laser: int = 0,
+    prior_radius: ArrayLike | None = None,
+    branch: ArrayLike | None = None,
+) -> Triangulation:
     """Where the camera rays through the pixels `u`, `v` (n,) meet the surface of `laser`.
 
-    With X = o + d u and F(X; q) = 0: dX = do + d du + u dd, dd = -(grad F . (do + d du) + F_q dq) / (grad F . u); here
-    do = 0. NaN pixels come back as NO_PEAK, other unusable ones as OUTSIDE_LENS, GRAZING or BEHIND.
+    Where a ray meets the surface more than once (cones), the meeting whose radius is nearest to `prior_radius` [m], a
+    number or (n,), counts, or the one that `branch` (n,) names. With X = o + d u and F(X; q) = 0:
+    dX = do + d du + u dd, dd = -(grad F . (do + d du) + F_q dq) / (grad F . u).
+    NaN pixels come back as NO_PEAK, other unusable ones as OUTSIDE_LENS, GRAZING or BEHIND.
     """
     u, v = np.atleast_1d(np.asarray(u) * 1.0), np.atleast_1d(np.asarray(v) * 1.0)
+    rays = rig.mount.place_with_sensitivities(rig.camera.unproject_with_sensitivities(u, v))
+    candidates = candidates_along(rays, rig.lasers[laser].surface)
+    branch = _branch(candidates, prior_radius, branch)
+    status = _status(np.isnan(u) | np.isnan(v), np.isnan(rays.direction[:, 2]), candidates.flags_of(branch))
+    distance = np.where(status == Status.OK, candidates.distance_of(branch), np.nan)
+    points, d_pixel, d_parameters = _meeting(rig, rays, distance, laser)
+    return Triangulation(points, status, d_pixel, d_parameters, rig.parameter_names, branch)
+
+
+def _meeting(rig: Rig, rays: RaysWithSensitivities, distance: NDArray[Any], laser: int) -> tuple[NDArray[Any], ...]:
+    """Points (n, 3) at `distance` (n,) along `rays`, and their derivatives by pixel and by parameters."""
     surface = rig.lasers[laser].surface
-    directions, d_pixel, d_camera = rig.camera.unproject_with_sensitivities(u, v)
-    meetings = surface.meet(PUPIL, directions)
-    status = _status(np.isnan(u) | np.isnan(v), np.isnan(directions[:, 2]), meetings)
-    distance = meetings.distance[0]
-    directions = np.where((status == Status.OK)[:, None], directions, np.nan)
-    points = PUPIL + distance[:, None] * directions
+    points = rays.origin + distance[:, None] * rays.direction
     gradient = surface.gradient(points)
-    closing = np.einsum("ni,ni->n", gradient, directions)
-    along = directions / closing[:, None]
+    along = rays.direction / np.einsum("ni,ni->n", gradient, rays.direction)[:, None]
 
-    def move(d_directions: NDArray[Any]) -> NDArray[Any]:
-        """The d du + u dd of turning rays: the turn, less its part that would leave the surface."""
-        turn = distance[:, None, None] * d_directions
-        leaving = np.einsum("ni,nip->np", gradient, turn)
-        return turn - along[:, :, None] * leaving[:, None, :]
+    def move(by_origin: Array, by_direction: Array) -> NDArray[Any]:
+        """Where the meeting of a moving ray goes: its motion, less the part that would leave the surface."""
+        shift = by_origin + distance[:, None, None] * by_direction
+        leaving = np.einsum("ni,nip->np", gradient, shift)
+        return shift - along[:, :, None] * leaving[:, None, :]
 
-    d_surface = -along[:, :, None] * surface.parameter_gradient(points)[:, None, :]
-    d_parameters = np.concatenate([d_surface, move(d_camera)], axis=2)
-    return Triangulation(points, status, move(d_pixel), d_parameters, rig.parameter_names(laser))
+    by_surface = -along[:, :, None] * surface.parameter_gradient(points)[:, None, :]
+    by_rays = move(rays.origin_by_parameters, rays.direction_by_parameters)
+    d_parameters = np.concatenate([rig.among_all(by_surface, laser=laser), by_rays], axis=2)
+    return points, move(rays.origin_by_pixel, rays.direction_by_pixel), d_parameters
 
 
-def _status(no_pixel: NDArray[np.bool_], no_ray: NDArray[np.bool_], meetings: Meetings) -> NDArray[np.uint8]:
-    flags = meetings.flags[0]
+def _branch(candidates: Candidates, prior_radius: ArrayLike | None, branch: ArrayLike | None) -> NDArray[np.intp]:
+    if branch is not None:
+        return np.broadcast_to(np.asarray(branch, dtype=np.intp), candidates.radius.shape[1:])
+    if candidates.branches == 1:
+        return np.zeros(candidates.radius.shape[1], dtype=np.intp)
+    if prior_radius is None:
+        raise InputError(
+            "A camera ray can meet this laser surface twice; pass prior_radius, the radius the wall has roughly, or "
+            "branch, to say which meeting counts."
+        )
+    return nearest_branch(candidates, np.asarray(prior_radius, dtype=float))
+
+
+def _status(no_pixel: NDArray[np.bool_], no_ray: NDArray[np.bool_], flags: NDArray[np.uint8]) -> NDArray[np.uint8]:
     status = np.full(flags.shape, Status.OK, dtype=np.uint8)
     status[(flags & MeetingFlag.BEHIND) != 0] = Status.BEHIND
-    status[(flags & MeetingFlag.GRAZING) != 0] = Status.GRAZING
+    status[((flags & MeetingFlag.GRAZING) != 0) | (flags == MeetingFlag.NONE)] = Status.GRAZING
     status[no_ray] = Status.OUTSIDE_LENS
     status[no_pixel] = Status.NO_PEAK
     return status

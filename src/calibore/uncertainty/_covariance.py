@@ -1,126 +1,158 @@
-"""The covariance of named parameters, and first-order propagation through sensitivities (JCGM 100, eq. 13)."""
+"""What is known of named inputs: standard uncertainties, correlations, distributions, degrees of freedom."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
+from math import inf
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from calibore.errors import InputError
+from calibore.uncertainty import _checks as checks
+from calibore.uncertainty._distributions import Distribution
+from calibore.uncertainty._scores import Scores, scores_of
 
 Array = NDArray[np.float64]
+Value = TypeVar("Value")
 
-ROUNDING = 1e-6  # of a correlation coefficient: a covariance printed with six digits
 
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Covariance:
-    """`matrix` (p, p) of the parameters `names` (p,), in SI; symmetric, positive semi-definite within rounding."""
+    """`matrix` (p, p) of the parameters `names` (p,), in SI; symmetric, positive semi-definite within rounding.
+
+    `distributions` (p,) are normal where not given, `degrees_of_freedom` (p,) infinite: how well u itself is known.
+    First-order propagation needs neither; budgets and Monte Carlo do.
+    """
 
     names: tuple[str, ...]
     matrix: Array
+    distributions: tuple[Distribution, ...]
+    degrees_of_freedom: tuple[float, ...]
 
-    def __post_init__(self) -> None:
-        names, matrix = tuple(self.names), np.array(self.matrix, dtype=float).reshape(np.shape(self.matrix))
-        if len(set(names)) < len(names):
-            raise InputError(f"Covariance names must be unique, got {', '.join(names)}; name every parameter once.")
-        if matrix.shape != (len(names), len(names)):
-            raise InputError(
-                f"A covariance of {len(names)} parameters has shape {(len(names),) * 2}, got {matrix.shape}; "
-                "give one row and one column per parameter."
-            )
-        if not np.isfinite(matrix).all():
-            raise InputError("A covariance must be finite, got NaN or infinity; leave unknown parameters out.")
-        _check_definite(names, matrix)
+    def __init__(
+        self,
+        names: Iterable[str],
+        matrix: ArrayLike,
+        distributions: Iterable[str] | None = None,
+        degrees_of_freedom: Iterable[float] | None = None,
+    ) -> None:
+        names, matrix = tuple(names), np.array(matrix, dtype=float)
+        checks.check_names(names, matrix)
+        checks.check_definite(names, matrix)
         matrix = (matrix + matrix.T) / 2
         matrix.flags.writeable = False
+        shapes = [Distribution.NORMAL] * len(names) if distributions is None else map(Distribution.named, distributions)
+        nu = [inf] * len(names) if degrees_of_freedom is None else map(float, degrees_of_freedom)
         object.__setattr__(self, "names", names)
         object.__setattr__(self, "matrix", matrix)
+        object.__setattr__(self, "distributions", tuple(shapes))
+        object.__setattr__(self, "degrees_of_freedom", tuple(nu))
+        if len(self.distributions) != len(names):
+            raise InputError(f"{len(names)} parameters need as many distributions, got {len(self.distributions)}.")
+        checks.check_degrees_of_freedom(names, self.degrees_of_freedom)
 
     @classmethod
-    def independent(cls, uncertainties: Mapping[str, float]) -> "Covariance":
+    def independent(
+        cls,
+        uncertainties: Mapping[str, float],
+        *,
+        distributions: Mapping[str, str] | None = None,
+        degrees_of_freedom: Mapping[str, float] | None = None,
+    ) -> "Covariance":
         """Of uncorrelated parameters, from their standard uncertainties."""
-        u = np.fromiter(uncertainties.values(), dtype=float, count=len(uncertainties))
-        if (u < 0).any():
-            raise InputError(f"Standard uncertainties must not be negative, got {dict(uncertainties)}.")
-        return cls(tuple(uncertainties), np.diag(u**2))
+        return cls.correlated(uncertainties, {}, distributions=distributions, degrees_of_freedom=degrees_of_freedom)
+
+    @classmethod
+    def correlated(
+        cls,
+        uncertainties: Mapping[str, float],
+        correlations: Mapping[tuple[str, str], float],
+        *,
+        distributions: Mapping[str, str] | None = None,
+        degrees_of_freedom: Mapping[str, float] | None = None,
+    ) -> "Covariance":
+        """From standard uncertainties and the correlation coefficients of pairs; pairs not given are uncorrelated."""
+        names = tuple(uncertainties)
+        checks.check_uncertainties(uncertainties)
+        u = np.fromiter(uncertainties.values(), dtype=float, count=len(names))
+        r = np.eye(len(names))
+        for pair, coefficient in correlations.items():
+            i, j = checks.indices(pair, names)
+            checks.check_correlation(pair, coefficient)
+            if correlations.get((pair[1], pair[0]), coefficient) != coefficient:
+                raise InputError(f"The correlation of {' and '.join(pair)} is given twice and differs; give it once.")
+            r[i, j] = r[j, i] = coefficient
+        return cls(
+            names,
+            r * np.outer(u, u),
+            _by_name(names, distributions, Distribution.NORMAL),
+            _by_name(names, degrees_of_freedom, inf),
+        )
 
     @property
     def u(self) -> Array:
         """Standard uncertainties (p,)."""
         return np.sqrt(np.diag(self.matrix))
 
+    @property
+    def correlations(self) -> Array:
+        """Correlation coefficients (p, p); rows and columns of parameters without variance are 0."""
+        return checks.correlation_of(self.matrix)
+
+    def correlation(self, first: str, second: str) -> float:
+        """The correlation coefficient of two parameters."""
+        i, j = checks.indices((first, second), self.names)
+        return float(self.correlations[i, j])
+
     def factor(self) -> Array:
         """(p, p) with `matrix = factor @ factor.T`, singular matrices included; diagonal where uncorrelated."""
-        values, vectors = np.linalg.eigh(_correlation(self.matrix))
+        values, vectors = np.linalg.eigh(self.correlations)
         return self.u[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+
+    @cached_property
+    def scores(self) -> Scores:
+        """How to draw: everything that a compiled engine needs to do it by itself."""
+        return scores_of(self.correlations, self.u, self.distributions, self.degrees_of_freedom)
+
+    def scores_factor(self) -> Array:
+        """(p, p): `factor @ standard normals` are normal scores correlated so that the values are as stated."""
+        return self.scores.factor
+
+    def draw(self, rng: np.random.Generator, n: int) -> Array:
+        """Random deviations (n, p) from the estimates, with the stated distributions, u and correlations of values.
+
+        Finite degrees of freedom make a normal input t distributed, its standard deviation u sqrt(nu / (nu - 2));
+        for nu <= 2 it has none and no number of draws settles. Other distributions are drawn as stated.
+        """
+        return self.scores.draw(rng, n)
 
     def restricted(self, names: Iterable[str]) -> "Covariance":
         """Of the given parameters only, in that order; raises InputError where one is not here."""
         names = tuple(names)
-        index = _indices(names, self.names)
-        return Covariance(names, self.matrix[np.ix_(index, index)])
+        index = checks.indices(names, self.names)
+        return Covariance(
+            names,
+            self.matrix[np.ix_(index, index)],
+            [self.distributions[i] for i in index],
+            [self.degrees_of_freedom[i] for i in index],
+        )
 
     def joined(self, other: "Covariance") -> "Covariance":
         """Of the parameters of both, uncorrelated with each other."""
         matrix = np.zeros((len(self.names) + len(other.names),) * 2)
         matrix[: len(self.names), : len(self.names)] = self.matrix
         matrix[len(self.names) :, len(self.names) :] = other.matrix
-        return Covariance((*self.names, *other.names), matrix)
-
-
-class Propagation(NamedTuple):
-    """`modes` (m, n), so that the covariance of the n results is `modes.T @ modes`; `u` (n,)."""
-
-    modes: Array
-    u: Array
-
-
-def propagate(sensitivities: Array, covariance: Covariance, *, names: Sequence[str] | None = None) -> Propagation:
-    """First-order propagation of `covariance` through `sensitivities` (n, p) = d result / d parameter.
-
-    `names` are the parameters of the columns; without them the columns are those of the covariance, in order.
-    Parameters that the covariance does not name are taken as exactly known.
-    """
-    if names is not None:
-        sensitivities = sensitivities[:, _indices(covariance.names, names)]
-    if sensitivities.shape[1] != len(covariance.names):
-        raise InputError(
-            f"{sensitivities.shape[1]} columns of sensitivities do not fit {len(covariance.names)} parameters; "
-            "pass names= to choose columns by name."
+        return Covariance(
+            (*self.names, *other.names),
+            matrix,
+            (*self.distributions, *other.distributions),
+            (*self.degrees_of_freedom, *other.degrees_of_freedom),
         )
-    modes = covariance.factor().T @ sensitivities.T
-    return Propagation(modes, np.sqrt(np.einsum("mn,mn->n", modes, modes)))
 
 
-def _indices(wanted: Iterable[str], present: Sequence[str]) -> list[int]:
-    position = {name: i for i, name in enumerate(present)}
-    missing = [name for name in wanted if name not in position]
-    if missing:
-        raise InputError(f"No parameter is called {', '.join(missing)}; present: {', '.join(present)}.")
-    return [position[name] for name in wanted]
-
-
-def _correlation(matrix: Array) -> Array:
-    u = np.sqrt(np.maximum(np.diag(matrix), 0.0))
-    divisor = np.where(u > 0, u, 1.0)
-    return matrix / np.outer(divisor, divisor)
-
-
-def _check_definite(names: tuple[str, ...], matrix: Array) -> None:
-    variances = np.diag(matrix)
-    if (variances < 0).any():
-        name = names[int(np.argmin(variances))]
-        raise InputError(f"The variance of {name} is {variances.min():g}; a variance must not be negative.")
-    if np.any(matrix[variances == 0]) or np.any(matrix[:, variances == 0]):
-        raise InputError("A parameter without variance cannot be correlated; give it a variance or zero covariances.")
-    correlation = _correlation(matrix)
-    if np.abs(correlation - correlation.T).max(initial=0.0) > ROUNDING:
-        raise InputError("A covariance must be symmetric; copy its upper triangle into the lower one.")
-    smallest = np.linalg.eigvalsh((correlation + correlation.T) / 2).min(initial=0.0)
-    if smallest < -ROUNDING * max(len(names), 1):
-        raise InputError(
-            f"A covariance must be positive semi-definite, but its correlations have the eigenvalue {smallest:.3g}; "
-            "write it with more digits or compute it anew."
-        )
+def _by_name(names: tuple[str, ...], given: Mapping[str, Value] | None, default: Value) -> list[Value]:
+    given = given or {}
+    checks.indices(given, names)
+    return [given.get(name, default) for name in names]

@@ -1,0 +1,71 @@
+"""Several lasers that light the same wall: the better one, or both by minimum variance."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.design._prediction import Part, Prediction
+from calibore.errors import InputError
+from calibore.status import Status
+
+Array = NDArray[np.float64]
+Rule = Literal["best", "minimum-variance"]
+
+
+@dataclass(frozen=True, eq=False)
+class Combined:
+    """`u_radius` [m] at every place, with its parts, `weights` (lasers, ...) and `laser`, the heaviest of them (-1
+    where none measures).
+    """
+
+    u_radius: Array
+    u_independent: Array
+    u_common: Array
+    weights: Array
+    laser: NDArray[np.intp]
+
+
+def combine_lasers(predictions: Sequence[Prediction], *, rule: Rule = "minimum-variance") -> Combined:
+    """The radius from all lasers at the same places, of those that measure there.
+
+    "best": the laser of least uncertainty (Swanbom 2007, section 3.3.5). "minimum-variance": weights that make the
+    variance least, with what the lasers have in common counted once, not averaged away.
+    """
+    if not predictions:
+        raise InputError("There is no laser to combine; pass one prediction per laser.")
+    usable = np.stack([one.measurable & np.isfinite(one.u_radius) for one in predictions])
+    independent = np.where(usable, np.stack([one.of_radius.independent for one in predictions]), 0.0)
+    modes = np.where(usable[:, None], np.stack([one.of_radius.modes for one in predictions]), 0.0)
+    weights = _best(usable, independent, modes) if rule == "best" else _least(usable, independent, modes)
+    none = ~usable.any(axis=0)
+    parts = np.sqrt(np.square(weights * independent).sum(axis=0))
+    shared = np.sqrt(np.square(np.einsum("l...,lm...->m...", weights, modes)).sum(axis=0))
+    parts, shared = (np.where(none, np.nan, a) for a in (parts, shared))
+    return Combined(
+        np.hypot(parts, shared), parts, shared, weights, np.where(none, -1, np.argmax(np.abs(weights), axis=0))
+    )
+
+
+def _best(usable: NDArray[np.bool_], independent: Array, modes: Array) -> Array:
+    variance = np.where(usable, independent**2 + np.square(modes).sum(axis=1), np.inf)
+    chosen = np.argmin(variance, axis=0)
+    return (np.arange(len(usable)).reshape(-1, *(1,) * chosen.ndim) == chosen) & usable
+
+
+def _least(usable: NDArray[np.bool_], independent: Array, modes: Array) -> Array:
+    """V^-1 1 / (1' V^-1 1) at every place, V the covariance of the lasers that measure there."""
+    lasers = len(usable)
+    covariance = np.einsum("im...,jm...->...ij", modes, modes)
+    diagonal = np.arange(lasers)
+    covariance[..., diagonal, diagonal] += np.moveaxis(independent**2, 0, -1)
+    here = np.moveaxis(usable, 0, -1)
+    covariance[..., diagonal, diagonal] = np.where(here, covariance[..., diagonal, diagonal], 1.0)
+    scale = np.sqrt(covariance[..., diagonal, diagonal])
+    scale = np.where(scale > 0, scale, 1.0)
+    correlation = covariance / scale[..., :, None] / scale[..., None, :] + 1e-12 * np.eye(lasers)
+    raw = np.linalg.solve(correlation, (here / scale)[..., None])[..., 0] / scale
+    total = np.where(here.any(axis=-1), (raw * here).sum(axis=-1), 1.0)
+    return np.moveaxis(raw * here / total[..., None], -1, 0)
