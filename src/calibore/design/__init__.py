@@ -1,7 +1,8 @@
 """Design: how well a rig will measure, before it is built.
 
 `Assumptions`     how well lengths and line positions are known: `AS_PUBLISHED`, `HONEST`, or any other
-`plane_rig`, `cone_rig`, `side_rig`, `coaxial_rig`, `asymmetric_rig`, `reversed_rig`, `spot_rig`   reference rigs
+`plane_rig`, `cone_rig`, `side_rig`, `coaxial_rig`, `asymmetric_rig`, `reversed_rig`, `spot_rig`,
+`spot_array_rig`   reference rigs
 `predict`         R, H and their uncertainties at pixels -> `Prediction`; `predict_on_wall` at places of a round wall
 `combine_lasers`  several lasers on the same wall: the better one, or minimum variance
 """
@@ -9,6 +10,7 @@
 from calibore.design._assumptions import AS_PUBLISHED, HONEST, Assumptions
 from calibore.design._fusion import Combined, combine_lasers
 from calibore.design._prediction import STRIPE, Part, Prediction, in_image, predict, predict_on_wall, scan_direction
+from calibore.design._spots import spot_array_rig
 from calibore.design._studies import (
     asymmetric_rig,
     coaxial_rig,
@@ -42,5 +44,6 @@ __all__ = [
     "scan_direction",
     "side_rig",
     "side_view",
+    "spot_array_rig",
     "spot_rig",
 ]

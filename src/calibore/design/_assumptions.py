@@ -40,9 +40,7 @@ class Assumptions:
                 "give its absolute value."
             )
 
-    def covariance(
-        self, names: tuple[str, ...], jacobian: NDArray[np.float64], *, nominal_radius: float
-    ) -> Covariance:
+    def covariance(self, names: tuple[str, ...], jacobian: NDArray[np.float64], *, nominal_radius: float) -> Covariance:
         """Of the parameters `names` (p,), from their derivatives `jacobian` (p, l) by l lengths of equal uncertainty.
 
         Uncorrelated: each keeps its own uncertainty (Swanbom 2007, eqs. 3-46, 3-47, 5-36), as if measured apart.

@@ -20,14 +20,14 @@ class Imager:
     lens: str = "equidistant"
 
     def seeing(self, half_angle: float, *, across: Axis) -> Camera:
-        """The camera that sees `half_angle` [rad] at the edge of the image, across its long or short axis or along u."""
+        """The camera that sees `half_angle` [rad] at the edge of the image across its long or short axis, or along u."""
         sides = {"long": max(self.width, self.height), "short": min(self.width, self.height), "u": self.width}
         unit = Lens(self.lens, 1.0, self.height / 2)
         reach = float(unit.image_radius(half_angle))
         if not reach > 0:
             raise InputError(
                 f"A {self.lens} lens does not image a zenith of {np.degrees(half_angle):.4g} deg, only below "
-                f"{np.degrees(unit.max_zenith):.4g} deg; choose another lens law, a smaller field of view or another rig."
+                f"{np.degrees(unit.max_zenith):.4g} deg; choose another lens law or a rig that asks for less."
             )
         lens = Lens(self.lens, sides[across] / 2 / reach, self.height / 2)
         return Camera(self.width, self.height, lens, (self.width / 2, self.height / 2))

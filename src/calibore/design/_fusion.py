@@ -1,15 +1,15 @@
 """Several lasers that light the same wall: the better one, or both by minimum variance."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.design._prediction import Part, Prediction
+from calibore.design._prediction import Prediction
 from calibore.errors import InputError
-from calibore.status import Status
+from calibore.uncertainty import MEASURABLE_ABOVE
 
 Array = NDArray[np.float64]
 Rule = Literal["best", "minimum-variance"]
@@ -28,15 +28,19 @@ class Combined:
     laser: NDArray[np.intp]
 
 
-def combine_lasers(predictions: Sequence[Prediction], *, rule: Rule = "minimum-variance") -> Combined:
+def combine_lasers(
+    predictions: Sequence[Prediction], *, rule: Rule = "minimum-variance", cropped: bool = True
+) -> Combined:
     """The radius from all lasers at the same places, of those that measure there.
 
     "best": the laser of least uncertainty (Swanbom 2007, section 3.3.5). "minimum-variance": weights that make the
-    variance least, with what the lasers have in common counted once, not averaged away.
+    variance least, with what the lasers have in common counted once, not averaged away. Not `cropped`: the edges of the
+    image do not count, as in the dissertation's composite profiles.
     """
     if not predictions:
         raise InputError("There is no laser to combine; pass one prediction per laser.")
-    usable = np.stack([one.measurable & np.isfinite(one.u_radius) for one in predictions])
+    seen = (one.measurable if cropped else one.margin > MEASURABLE_ABOVE for one in predictions)
+    usable = np.stack([at & np.isfinite(one.u_radius) for at, one in zip(seen, predictions, strict=True)])
     independent = np.where(usable, np.stack([one.of_radius.independent for one in predictions]), 0.0)
     modes = np.where(usable[:, None], np.stack([one.of_radius.modes for one in predictions]), 0.0)
     weights = _best(usable, independent, modes) if rule == "best" else _least(usable, independent, modes)

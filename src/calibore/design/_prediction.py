@@ -124,13 +124,17 @@ def predict(
         return _part(coordinate.parameters, known, rig.parameter_names, noise, shape)
 
     return Prediction(
-        u,
-        v,
-        *(a.reshape(shape) for a in (found.radius, found.axial, found.clock)),
-        part(found.radius_sensitivities),
-        part(found.axial_sensitivities),
-        *(a.reshape(shape) for a in (safety, found.status, found.branch)),
-        in_image(rig, u, v),
+        u=u,
+        v=v,
+        radius=found.radius.reshape(shape),
+        axial=found.axial.reshape(shape),
+        clock=found.clock.reshape(shape),
+        of_radius=part(found.radius_sensitivities),
+        of_axial=part(found.axial_sensitivities),
+        margin=safety.reshape(shape),
+        status=found.status.reshape(shape),
+        branch=found.branch.reshape(shape),
+        in_image=in_image(rig, u, v),
     )
 
 
@@ -178,11 +182,17 @@ def _noise(by_pixel: Array, along: Array | None) -> Array:
     return np.abs(np.einsum("nk,nk->n", by_pixel, along))
 
 
-def _part(sensitivities: Array, known: Covariance, names: tuple[str, ...], noise: Array, shape: tuple[int, ...]) -> Part:
+def _part(
+    sensitivities: Array, known: Covariance, names: tuple[str, ...], noise: Array, shape: tuple[int, ...]
+) -> Part:
     modes, common = propagate(sensitivities, known, names=names)
     parts = budget(sensitivities, known, names=names, independent={STRIPE: noise})
     total = parts.variances.sum(axis=1)
     safe = np.where(total > 0, total, 1.0)
-    shares = {name: (parts.variances[:, i] / safe).reshape(shape) for i, name in enumerate(parts.names)}
-    split = (a.reshape(shape) for a in (np.hypot(noise, common), noise, common))
-    return Part(*split, modes.reshape(-1, *shape), shares)
+    return Part(
+        u=np.hypot(noise, common).reshape(shape),
+        independent=noise.reshape(shape),
+        common=common.reshape(shape),
+        modes=modes.reshape(-1, *shape),
+        shares={name: (parts.variances[:, i] / safe).reshape(shape) for i, name in enumerate(parts.names)},
+    )

@@ -20,8 +20,8 @@ def lit_points(
     where no light falls.
 
     Forward-looking rigs: where the line along the wall meets the surface, the first that is lit. A side-facing head is
-    turned to the clock, so that in its frame the point lies at y = radius, at `axial` [m] along the sheet. A beam lights
-    one clock only, its own; `clock` then does not count.
+    turned to the clock, so that in its frame the point lies at y = radius, at `axial` [m] along the sheet. A beam
+    lights one clock only, its own; `clock` then does not count.
     """
     clock, radius, axial = np.broadcast_arrays(*(np.asarray(a, dtype=float).ravel() for a in (clock, radius, axial)))
     if (radius <= 0).any():

@@ -8,14 +8,17 @@ from numpy.typing import NDArray
 from calibore.errors import InputError
 from calibore.geometry import Pose, clock_of
 from calibore.rigs import Rig
+from calibore.simulation._fan import Fan
 from calibore.simulation._parts import turned
-from calibore.simulation._section import LaserPlane, sees, wall_frame
+from calibore.simulation._sight import sees, wall_normal
 from calibore.simulation._wall import PipeWall
 
 Array = NDArray[np.float64]
 
-COARSE = 1024  # clock positions from which the line's length in the image is found
+COARSE = 1024  # rays of the fan from which the line's length in the image is found
 SPACING = 0.5  # px between neighbouring points of the line: well below the width of any image point
+MARGIN = 40.0  # px round the image beyond which nobody sees how dense the line's points are
+STEEPEST = 1e-3  # sine of the angle between light and wall below which a line grows no wider
 PIXEL_VARIANCE = 1 / 12  # px^2, of one pixel's area in any direction
 
 
@@ -46,13 +49,13 @@ class LineLight:
 
 @dataclass(frozen=True, eq=False)
 class LitLine:
-    """n points round the pipe, closed. `pipe_clock` (n,) increasing [rad]; `points` (n, 3) [m] of the rig frame;
-    `u`, `v` (n,) [px]; `spread` (n, 2) [px]: image of one standard deviation of the laser's thickness; `visible`: lit,
-    seen and inside the image; `energy` (n,): light of each point as full scales x px^2; `signal` (n,): expected peak of
-    the line as a fraction of full scale, 0 where not visible.
+    """n points of the wall, in order of the `angle` (n,) [rad] of the fan that lights them; `closed`: the last is beside
+    the first. `points` (n, 3) [m] of the rig frame; `u`, `v` (n,) [px]; `spread` (n, 2) [px]: image of one standard
+    deviation of the laser's thickness; `visible`: lit, seen and inside the image; `energy` (n,): light of each point as
+    full scales x px^2; `signal` (n,): expected peak of the line as a fraction of full scale, 0 where not visible.
     """
 
-    pipe_clock: Array
+    angle: Array
     points: Array
     u: Array
     v: Array
@@ -60,6 +63,7 @@ class LitLine:
     visible: NDArray[np.bool_]
     energy: Array
     signal: Array
+    closed: bool = True
 
     @property
     def clock(self) -> Array:
@@ -75,64 +79,76 @@ class LitLine:
 def lit_line(
     rig: Rig, wall: PipeWall, *, pipe_from_rig: Pose, line: LineLight, psf_sigma: float, laser: int = 0
 ) -> LitLine:
-    """The line that `laser` draws on `wall`, as the rig's camera sees it through optics of `psf_sigma` [px]."""
+    """The line that `laser` draws on `wall`, as the rig's camera sees it through optics of `psf_sigma` [px]: the first
+    wall that each ray of its light meets. For a side-facing head `pipe_from_rig` is the pose of the head.
+    """
     unit = _traced(rig, PipeWall(wall.nominal_radius), Pose.identity(), LineLight(line.sigma, 1.0), psf_sigma, laser)
-    exposure = np.median(unit.signal)
-    if not exposure > 0:
+    if not unit.visible.any():
         raise InputError("The camera sees nothing of a nominal wall lit by this laser; correct lens, baseline or k.")
-    return _traced(rig, wall, pipe_from_rig, line, psf_sigma, laser, gain=line.brightness / exposure)
+    gain = line.brightness / float(np.median(unit.signal[unit.visible]))
+    return _traced(rig, wall, pipe_from_rig, line, psf_sigma, laser, gain=gain)
 
 
 def _traced(
     rig: Rig, wall: PipeWall, pose: Pose, line: LineLight, psf_sigma: float, laser: int, *, gain: float = 1.0
 ) -> LitLine:
-    plane = LaserPlane.of(rig, pose, laser=laser)
-    clock = _evenly_imaged(rig, wall, pose, plane)
-    pipe_points = plane.section(wall, clock)
-    points = pose.inverse().apply(pipe_points)
-    normal, along = wall_frame(wall, pipe_points, clock)
-    u, v = rig.camera.project(points)
-    spread = _spread(rig, pose, pipe_points, along / (along @ plane.normal)[:, None] * line.sigma)
-    rig_clock = clock_of(points[:, 0], points[:, 1])
-    turn = 0.5 * turned(np.roll(rig_clock, -1), np.roll(rig_clock, 1))
-    candidates = inside_image(u, v, rig) & (turn > 0) & line.lights(rig_clock)
-    visible = in_view(wall, plane, pose, pipe_points, normal, candidates)
-    energy = np.where(visible, gain * turn * _returned(pipe_points, normal, pose.translation), 0.0)
-    signal = energy / _area_per_point(u, v, spread, psf_sigma)
-    return LitLine(clock, points, u, v, spread, visible, energy, np.where(visible, signal, 0.0))
-
-
-def in_view(
-    wall: PipeWall, plane: LaserPlane, pose: Pose, points: Array, normal: Array, candidates: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
-    """Which `candidates` (n,) among the wall points (n, 3) both the laser's source and the camera's pupil see."""
+    fan = Fan.of(rig, pose, laser=laser)
+    angle = _evenly_imaged(rig, wall, fan)
+    turn = _steps(angle, 2 * np.pi if fan.closed else 0.0).sum(axis=0) / 2
+    pipe_points = fan.first_wall(wall, angle)
+    met = np.isfinite(pipe_points[:, 0])
+    angle, turn, pipe_points = angle[met], turn[met], pipe_points[met]
+    normal = wall_normal(wall, pipe_points, clock_of(pipe_points[:, 0], pipe_points[:, 1]))
+    points = fan.rig_from_pipe.apply(pipe_points)
+    u, v = rig.project(points)
+    spread = _spread(rig, fan, pipe_points, _thickness(fan.normal(pipe_points), normal) * line.sigma)
+    candidates = inside_image(u, v, rig) & line.lights(clock_of(points[:, 0], points[:, 1]))
+    pupil = pose.apply(rig.mount.translation)
     visible = candidates.copy()
-    for eye in (plane.source, pose.translation):
-        visible[visible] = sees(wall, points[visible], eye, normal=normal[visible])
-    return visible
+    visible[candidates] = sees(wall, pipe_points[candidates], pupil, normal=normal[candidates])
+    energy = np.where(visible, gain * turn * _returned(pipe_points, normal, pupil), 0.0)
+    signal = energy / _area_per_point(u, v, spread, psf_sigma)
+    return LitLine(angle, points, u, v, spread, visible, energy, np.where(visible, signal, 0.0), fan.closed)
 
 
-def _evenly_imaged(rig: Rig, wall: PipeWall, pose: Pose, plane: LaserPlane) -> Array:
-    """Pipe clocks (n,) in [0, 2 pi) whose points are at most about `SPACING` apart in the image."""
-    clock = np.linspace(0.0, 2 * np.pi, COARSE + 1)
-    u, v = rig.camera.project(pose.inverse().apply(plane.section(wall, clock)))
-    step = np.nan_to_num(np.hypot(np.diff(u), np.diff(v)))
+def _evenly_imaged(rig: Rig, wall: PipeWall, fan: Fan) -> Array:
+    """Angles (n,) of the fan whose points are at most about `SPACING` apart in the image."""
+    angle = np.linspace(*fan.limits, COARSE + 1)
+    u, v = rig.project(fan.rig_from_pipe.apply(fan.first_wall(wall, angle)))
+    near = inside_image(u, v, rig, margin=MARGIN)
+    step = np.where(near[1:] & near[:-1], np.hypot(np.diff(u), np.diff(v)), 0.0)
     length = np.concatenate([[0.0], np.cumsum(step + 0.1 * step.mean() + 1e-3)])
     count = int(np.ceil(length[-1] / SPACING))
-    return np.interp(np.arange(count) * (length[-1] / count), length, clock)
+    return np.interp(np.arange(count) * (length[-1] / count), length, angle)
 
 
-def _spread(rig: Rig, pose: Pose, points: Array, shift: Array) -> Array:
+def _steps(values: Array, period: float) -> Array:
+    """From each of `values` (n, ...) to the next, and to each from the one before: (2, n, ...), round the whole."""
+    after = np.roll(values, -1, axis=0) - values
+    after[-1] += period
+    return np.stack([after, np.roll(after, 1, axis=0)])
+
+
+def _thickness(light: Array, wall: Array) -> Array:
+    """How far (n, 3) the line's edge lies on the wall per metre of the light's thickness, from the unit normals (n, 3)
+    of laser surface and wall: across the line, and far where the light grazes the wall.
+    """
+    across = light - np.einsum("ij,ij->i", light, wall)[:, None] * wall
+    square = np.einsum("ij,ij->i", across, across)
+    return across / np.maximum(square, STEEPEST**2)[:, None]
+
+
+def _spread(rig: Rig, fan: Fan, points: Array, shift: Array) -> Array:
     """Image (n, 2) [px] of the displacement `shift` (n, 3) [m] of wall points, pipe frame."""
-    rig_from_pipe = pose.inverse()
-    ahead = rig.camera.project(rig_from_pipe.apply(points + shift))
-    behind = rig.camera.project(rig_from_pipe.apply(points - shift))
+    ahead = rig.project(fan.rig_from_pipe.apply(points + shift))
+    behind = rig.project(fan.rig_from_pipe.apply(points - shift))
     return 0.5 * np.stack([ahead[0] - behind[0], ahead[1] - behind[1]], axis=1)
 
 
-def inside_image(u: Array, v: Array, rig: Rig) -> NDArray[np.bool_]:
-    """Which pixels (n,) lie on the sensor; NaN does not."""
-    return (u > -0.5) & (u < rig.camera.width - 0.5) & (v > -0.5) & (v < rig.camera.height - 0.5)
+def inside_image(u: Array, v: Array, rig: Rig, *, margin: float = 0.0) -> NDArray[np.bool_]:
+    """Which pixels (n,) lie on the sensor, or within `margin` [px] of it; NaN does not."""
+    edge = 0.5 + margin
+    return (u > -edge) & (u < rig.camera.width - 1 + edge) & (v > -edge) & (v < rig.camera.height - 1 + edge)
 
 
 def _returned(points: Array, normal: Array, pupil: Array) -> Array:
@@ -143,8 +159,12 @@ def _returned(points: Array, normal: Array, pupil: Array) -> Array:
 
 
 def _area_per_point(u: Array, v: Array, spread: Array, psf_sigma: float) -> Array:
-    """Light of a point over the peak of its line (n,) [px^2]: spacing x sqrt(2 pi) x line width."""
-    run = 0.5 * np.stack([np.roll(u, -1) - np.roll(u, 1), np.roll(v, -1) - np.roll(v, 1)], axis=1)
+    """Light of a point over the peak of its line (n,) [px^2]: spacing x sqrt(2 pi) x line width. Where the line breaks
+    off, the nearer neighbour tells the spacing.
+    """
+    steps = _steps(np.stack([u, v], axis=1), 0.0)
+    after, before = np.linalg.norm(steps, axis=2)[:, :, None]
+    run = np.where(after > 2 * before, steps[1], np.where(before > 2 * after, steps[0], steps.mean(axis=0)))
     spacing = np.maximum(np.linalg.norm(run, axis=1), 1e-9)
     across = (spread[:, 0] * run[:, 1] - spread[:, 1] * run[:, 0]) / spacing
     return spacing * np.sqrt(2 * np.pi * (across**2 + psf_sigma**2 + PIXEL_VARIANCE))

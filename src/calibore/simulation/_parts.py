@@ -48,6 +48,10 @@ class WallPart(ABC):
     def reach(self, nominal_radius: float) -> float:
         """How far [m] this feature may stand inwards."""
 
+    def recess(self, nominal_radius: float) -> float:
+        """How far [m] it may stand outwards: as far as inwards, where a part does not know better."""
+        return self.reach(nominal_radius)
+
 
 @dataclass(frozen=True)
 class Ovality(WallPart):
@@ -102,6 +106,9 @@ class Dent(WallPart):
     def reach(self, nominal_radius: float) -> float:
         return max(self.depth, 0.0)
 
+    def recess(self, nominal_radius: float) -> float:
+        return max(-self.depth, 0.0)
+
 
 @dataclass(frozen=True)
 class Rail(WallPart):
@@ -129,6 +136,9 @@ class Rail(WallPart):
     def reach(self, nominal_radius: float) -> float:
         return self.height
 
+    def recess(self, nominal_radius: float) -> float:
+        return 0.0
+
 
 @dataclass(frozen=True)
 class LateralOpening(WallPart):
@@ -149,6 +159,9 @@ class LateralOpening(WallPart):
 
     def reach(self, nominal_radius: float) -> float:
         return 0.0
+
+    def recess(self, nominal_radius: float) -> float:
+        return max(self.depth, 0.0)
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,11 @@ class PipeWall:
         """Radius [m] about the axis that no part of the wall reaches into."""
         return self.nominal_radius - sum(part.reach(self.nominal_radius) for part in self.parts)
 
+    @property
+    def extent(self) -> float:
+        """Radius [m] about the axis that no part of the wall reaches beyond."""
+        return self.nominal_radius + sum(part.recess(self.nominal_radius) for part in self.parts)
+
     def radius(self, axial: ArrayLike, clock: ArrayLike) -> Array:
         """Distance [m] of the wall from the pipe's axis at `axial` [m] and `clock` [rad], which broadcast."""
         axial, clock = np.broadcast_arrays(np.asarray(axial, dtype=float), np.asarray(clock, dtype=float))

@@ -1,0 +1,120 @@
+"""The light of a laser: a fan of rays from one source, each followed to the first wall it meets."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import InputError
+from calibore.geometry import Pose
+from calibore.lasers import Cone, LaserSurface, Plane, Sheet
+from calibore.rigs import Rig
+from calibore.simulation._roots import bracketed_roots
+from calibore.simulation._wall import PipeWall
+
+Array = NDArray[np.float64]
+
+SETTLED = 1e-13  # m
+STEPS = 48  # between the radii that hold all of the wall, to find the first of several walls in line
+FARTHEST = 30.0  # nominal radii; light that meets no wall up to here meets none
+SPARE = 1e-6  # of the nominal radius, so that rounding puts no wall outside those radii
+HALF_SHEET = np.radians(60.0)  # of the fan of a side-facing laser, wider than its camera sees
+
+
+@dataclass(frozen=True, eq=False)
+class Fan:
+    """Light from `source` (3,) [m] of the pipe frame, its rays `along` + cos(angle) `even` + sin(angle) `odd`, (3,) each.
+
+    A `closed` fan covers the whole turn, clockwise from the crown of the rig; another one +-`HALF_SHEET`.
+    """
+
+    surface: LaserSurface
+    rig_from_pipe: Pose
+    source: Array
+    along: Array
+    even: Array
+    odd: Array
+    closed: bool = True
+
+    @classmethod
+    def of(cls, rig: Rig, pipe_from_rig: Pose, *, laser: int) -> "Fan":
+        """The light of `laser`."""
+        surface = rig.lasers[laser].surface
+        source, *parts = _rays_of(surface)
+        turned = (pipe_from_rig.rotation @ part for part in parts)
+        closed = not isinstance(surface, Sheet)
+        return cls(surface, pipe_from_rig.inverse(), pipe_from_rig.apply(source), *turned, closed=closed)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """First and last angle [rad]."""
+        return (0.0, 2 * np.pi) if self.closed else (-HALF_SHEET, HALF_SHEET)
+
+    def first_wall(self, wall: PipeWall, angle: Array) -> Array:
+        """The wall points (n, 3) of the pipe frame that the rays at `angle` (n,) [rad] light; NaN where there is none."""
+        rays = self.along + np.cos(angle)[:, None] * self.even + np.sin(angle)[:, None] * self.odd
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        return self.source + _distance(wall, self.source, rays)[:, None] * rays
+
+    def normal(self, points: Array) -> Array:
+        """The unit normal (n, 3) of the laser surface at `points` (n, 3), pipe frame."""
+        gradient = self.surface.gradient(self.rig_from_pipe.apply(points)) @ self.rig_from_pipe.rotation
+        return gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
+
+
+def _rays_of(surface: LaserSurface) -> tuple[Array, Array, Array, Array]:
+    """Source, along, even and odd part of a surface's light, in the rig frame."""
+    nothing = np.zeros(3)
+    if isinstance(surface, Plane):
+        even, odd = np.array([0.0, -1.0, -surface.tilt_y]), np.array([1.0, 0.0, surface.tilt_x])
+        return np.array([0.0, 0.0, surface.baseline]), nothing, even, odd
+    if isinstance(surface, Sheet):
+        even, odd = np.array([surface.skew, 1.0, 0.0]), np.array([surface.lean, 0.0, 1.0])
+        return np.array([surface.offset, 0.0, 0.0]), nothing, even, odd
+    if isinstance(surface, Cone):
+        sine, cosine = np.sin(surface.clock), np.cos(surface.clock)
+        round_ = np.array([cosine, sine, 0.0])
+        outwards = np.cross(round_, surface.axis)
+        across = np.sin(surface.half_angle)
+        even, odd = across * (cosine * outwards - sine * round_), across * (sine * outwards + cosine * round_)
+        return surface.apex, np.cos(surface.half_angle) * surface.axis, even, odd
+    raise InputError(f"The light of a {type(surface).__name__} draws no line on the wall; simulate planes, cones, sheets.")
+
+
+def _distance(wall: PipeWall, source: Array, rays: Array) -> Array:
+    """Distance (n,) [m] from `source` (3,) along `rays` (n, 3) to the first wall; NaN where there is none.
+
+    Followed in even steps through the shell that holds all of the wall; the step that leaves the open brackets it.
+    """
+    if wall.depth(source) >= 0:
+        raise InputError("A laser stands outside the pipe, in the wall; correct its baseline or the pose of the rig.")
+
+    def depth(distance: Array, index: NDArray[np.intp]) -> Array:
+        return wall.depth(source + distance[:, None] * rays[index])
+
+    spare = SPARE * wall.nominal_radius
+    start = _leaves(source, rays, wall.clearance - spare, wall.nominal_radius)
+    step = (_leaves(source, rays, wall.extent + spare, wall.nominal_radius) - start) / STEPS
+    reached = np.zeros(start.size, dtype=np.intp)
+    open_ = np.arange(start.size)
+    for n in range(1, STEPS + 1):
+        inside = depth(start[open_] + n * step[open_], open_) > 0
+        reached[open_[inside]] = n
+        open_ = open_[~inside]
+    met = np.flatnonzero(reached)
+    low = start[met] + (reached[met] - 1) * step[met]
+    distance = np.full(start.size, np.nan)
+    distance[met] = bracketed_roots(lambda x, i: depth(x, met[i]), low, low + step[met], settled=SETTLED)
+    return distance
+
+
+def _leaves(source: Array, rays: Array, radius: float, nominal_radius: float) -> Array:
+    """Where (n,) [m] rays from `source` leave the cylinder of `radius` [m]; 0 where they start outside it."""
+    across, towards = np.sum(rays[:, :2] ** 2, axis=1), rays[:, :2] @ source[:2]
+    within = radius**2 - source[:2] @ source[:2]
+    far = FARTHEST * nominal_radius
+    if within <= 0:
+        return np.zeros(across.shape)
+    parallel = across == 0
+    root = np.sqrt(towards**2 + across * within)
+    return np.minimum(np.where(parallel, far, (root - towards) / np.where(parallel, 1.0, across)), far)
