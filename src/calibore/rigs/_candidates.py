@@ -20,7 +20,8 @@ EDGE = 0.1
 @dataclass(frozen=True, eq=False)
 class Candidates:
     """`distance` (m, n) along n rays to the m meetings of each, their `flags` (m, n) and `radius` (m, n) [m] from the
-    rig axis; NaN radius where there is no meeting that counts.
+    rig axis; NaN where there is no meeting ahead. Grazing ones are there: what the wall is does not depend on whether it
+    can be measured.
     """
 
     distance: NDArray[Any]
@@ -46,7 +47,8 @@ def meetings_of(rig: Rig, u: ArrayLike, v: ArrayLike, *, laser: int = 0) -> Cand
 
 def candidates_along(rays: Rays | RaysWithSensitivities, surface: LaserSurface) -> Candidates:
     meetings = surface.meet(rays.origin, rays.direction)
-    distance = np.where(meetings.admissible, np.real(meetings.distance), np.nan)
+    ahead = (meetings.flags != MeetingFlag.NONE) & (meetings.flags & MeetingFlag.BEHIND == 0)
+    distance = np.where(ahead & np.isfinite(meetings.distance), np.real(meetings.distance), np.nan)
     points = np.real(rays.origin) + distance[..., None] * np.real(rays.direction)
     return Candidates(meetings.distance, meetings.flags, np.hypot(points[..., 0], points[..., 1]))
 

@@ -1,0 +1,130 @@
+"""What the compiled engine is told of a rig, and which rigs it knows; the others go the way of its NumPy twin."""
+
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from calibore.errors import InputError, UsageError
+from calibore.lasers import Beam, Cone, LaserSurface, Plane, Sheet
+from calibore.rigs._mount import FORWARD, SideFacing
+from calibore.rigs._rig import Rig
+from calibore.uncertainty import Covariance
+
+Array = NDArray[np.float64]
+
+engine: Any
+try:
+    engine = import_module("calibore._native")
+except ImportError:  # a source tree that was never built: slower, same numbers
+    engine = None
+
+DEFAULT_KERNEL = "numpy" if engine is None else "native"
+SURFACES: tuple[type[LaserSurface], ...] = (Plane, Cone, Sheet, Beam)
+LAWS = ("perspective", "stereographic", "equidistant", "sine-law", "equisolid-angle")
+CAMERA = tuple(f"camera.{name}" for name in ("k", "c1", "c2", "aspect", "principal_point_u", "principal_point_v"))
+SURFACE_NUMBERS, MOUNT_NUMBERS = 8, 12
+
+
+class Make(NamedTuple):
+    """Kind of surface, whether the camera faces sideways, lens law, half image height, whether there is a residual."""
+
+    surface: int
+    side_facing: bool
+    law: int
+    half_height: float
+    residual: bool
+
+
+def is_native(kernel: str, rig: Rig, laser: int) -> bool:
+    """Whether the compiled engine shall and can compute this rig; raises UsageError where it was never built."""
+    if kernel not in ("native", "numpy"):
+        raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
+    if kernel == "native" and engine is None:
+        raise UsageError('The native kernel was not built; build it with "maturin develop -r" or choose "numpy".')
+    return kernel == "native" and _is_known(rig, rig.lasers[laser].surface)
+
+
+def _is_known(rig: Rig, surface: LaserSurface) -> bool:
+    known_mount = rig.mount is FORWARD or type(rig.mount) is SideFacing
+    return known_mount and type(surface) in SURFACES and rig.camera.parameter_names == CAMERA
+
+
+def make_of(rig: Rig, laser: int, *, varied: tuple[str, ...] = ()) -> Make:
+    """`varied`: the parameters that will not keep their values."""
+    lens = rig.camera.lens
+    residual = lens.c1 != 0 or lens.c2 != 0 or bool({"camera.c1", "camera.c2"} & set(varied))
+    surface = SURFACES.index(type(rig.lasers[laser].surface))
+    return Make(surface, rig.mount is not FORWARD, LAWS.index(lens.law), float(lens.half_height), residual)
+
+
+def names_of(rig: Rig, laser: int) -> tuple[str, ...]:
+    """The parameters that matter to the meetings with one laser, in the engine's order."""
+    surface = (f"{rig.laser_table(laser)}.{name}" for name in rig.lasers[laser].surface.parameter_names)
+    return (*surface, *(f"laser.{name}" for name in rig.mount.parameter_names), *CAMERA)
+
+
+def values_of(rig: Rig, laser: int) -> Array:
+    """The values of `names_of`, SI and px."""
+    surface, camera = rig.lasers[laser].surface, rig.camera
+    values = [getattr(surface, name) for name in surface.parameter_names]
+    values += [getattr(rig.mount, name) for name in rig.mount.parameter_names]
+    return np.array([*values, camera.lens.k, camera.lens.c1, camera.lens.c2, camera.aspect, *camera.principal_point])
+
+
+def modes_of(rig: Rig, laser: int) -> Array:
+    """(m, 26): how the engine's numbers of surface, mount and camera move together, by one standard uncertainty each."""
+    covariance = rig.covariance or Covariance.independent({})
+    names = names_of(rig, laser)
+    known = [name for name in names if name in covariance.names]
+    factor = np.zeros((len(names), len(covariance.names)))
+    if known:
+        factor[[names.index(name) for name in known]] = covariance.factor()[[covariance.names.index(n) for n in known]]
+    modes = np.linalg.qr(factor.T, mode="r") @ _numbers_by_parameters(rig, laser).T
+    return np.ascontiguousarray(modes[modes.any(axis=1)])
+
+
+def _numbers_by_parameters(rig: Rig, laser: int) -> Array:
+    """(26, p)."""
+    surface = rig.lasers[laser].surface
+    q, m = len(surface.parameter_names), len(rig.mount.parameter_names)
+    derivatives = np.zeros((SURFACE_NUMBERS + MOUNT_NUMBERS + len(CAMERA), q + m + len(CAMERA)))
+    derivatives[:SURFACE_NUMBERS, :q] = _surface_by_parameters(surface)
+    rotation, translation = rig.mount.gradient()
+    derivatives[SURFACE_NUMBERS:-6, q : q + m] = np.hstack([rotation.reshape(m, 9), translation]).T
+    derivatives[-6:, -6:] = np.eye(6)
+    return derivatives
+
+
+def _surface_by_parameters(surface: Any) -> Array:
+    """(8, q): normal and level of flat surfaces; apex, axis and half angle of cones."""
+    rows = np.zeros((SURFACE_NUMBERS, len(surface.parameter_names)))
+    if not isinstance(surface, Cone):
+        rows[:3], rows[3] = surface.normal_by_parameters, surface.level_by_parameters
+        return rows
+    outwards = np.array([np.sin(surface.clock), -np.cos(surface.clock), 0.0])
+    round_axis = np.array([np.cos(surface.clock), np.sin(surface.clock), 0.0])
+    rows[:3, 0], rows[:3, 3], rows[2, 4] = outwards, surface.baseline * round_axis, 1.0
+    rows[3:6, 1] = -np.sin(surface.aim) * np.array([0.0, 0.0, 1.0]) - np.cos(surface.aim) * outwards
+    rows[3:6, 3] = -np.sin(surface.aim) * round_axis
+    rows[6, 2] = 1.0
+    return rows
+
+
+def each(values: ArrayLike, n: int, *, what: str) -> Array:
+    """`values` as one number or one for each of `n` points."""
+    values = np.ascontiguousarray(np.atleast_1d(np.asarray(values, dtype=float)))
+    if values.shape not in ((1,), (n,)):
+        raise InputError(f"{what} needs one number, or one for each of {n} points, got shape {values.shape}.")
+    return values
+
+
+def columns(direction: ArrayLike | None, n: int) -> tuple[Array, Array] | None:
+    """Directions (n, 2) of the noise in the image, u and v apart; None: both are noisy."""
+    if direction is None:
+        return None
+    direction = np.asarray(direction, dtype=float)
+    if direction.shape != (n, 2):
+        raise InputError(f"The direction of the noise needs shape ({n}, 2), got {direction.shape}; give (du, dv).")
+    return np.ascontiguousarray(direction[:, 0]), np.ascontiguousarray(direction[:, 1])
