@@ -1,6 +1,6 @@
 """`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
 
-`python -m benchmarks coverage` and `ovality` run the long accuracy studies instead (a minute or two each).
+`python -m benchmarks coverage`, `ovality` and `every_rig` run the long accuracy studies instead (minutes each).
 """
 
 import os
@@ -20,7 +20,7 @@ PARTS = ("kernel", "end_to_end_one", "end_to_end_two", "startup")
 
 def part(name: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
-    from benchmarks import end_to_end, kernel, startup, studies, timing
+    from benchmarks import end_to_end, every_rig, kernel, startup, studies, timing
 
     if name in ("kernel", "end_to_end_one"):
         timing.pin_to_one_core()
@@ -31,6 +31,7 @@ def part(name: str) -> list[str]:
         "startup": startup.report,
         "coverage": studies.coverage,
         "ovality": studies.ovality,
+        "every_rig": every_rig.report,
     }
     return tables[name]()
 

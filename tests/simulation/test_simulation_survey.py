@@ -26,8 +26,7 @@ from calibore.simulation import (
     random_wall,
     simulate_scan,
 )
-from calibore.simulation._files import rig_toml, write_png
-from calibore.uncertainty import Covariance
+from calibore.simulation._files import write_png
 
 INCH = 0.0254
 CAMERA = Camera(240, 180, Lens("sine-law", 135.0, 90.0), (120.5, 89.0))
@@ -132,34 +131,6 @@ def test_png_keeps_every_pixel(tmp_path, dtype):
     read = read_image(tmp_path / "image.png")
     assert read.dtype == dtype
     assert np.array_equal(read, image)
-
-
-def test_a_rig_file_says_all_of_the_rig(tmp_path):
-    rng = np.random.default_rng(2)
-    plain = Covariance.independent(
-        {"laser.baseline": 1.5e-4, "laser.tilt_x": 1e-3, "camera.k": 0.3}
-        | dict.fromkeys(("camera.principal_point_u", "camera.principal_point_v"), 0.25)
-    )
-    mixed = rng.normal(size=(3, 3))
-    correlated = Covariance(("laser.baseline", "camera.k", "camera.principal_point_u"), mixed @ mixed.T)
-    uneven = Covariance.independent({"camera.principal_point_u": 0.1, "camera.principal_point_v": 0.2})
-    for covariance in (None, plain, correlated, uneven):
-        lens = Lens("polynomial", 300.0, 240.0, c1=-0.004, c2=0.001, polynomial=(0.01, -0.002))
-        rig = Rig(
-            "perpendicular-plane",
-            Camera(640, 480, lens, (320.25, 239.5), 1.01),
-            (Laser(Plane(0.25, -0.004, 0.006), "green"),),
-            covariance,
-            stripe=0.2,
-        )
-        (tmp_path / "rig.toml").write_text(rig_toml(rig))
-        read = read_rig(tmp_path / "rig.toml")
-        assert (read.camera, read.lasers, read.stripe) == (rig.camera, rig.lasers, rig.stripe)
-        if covariance is None:
-            assert read.covariance is None
-        else:
-            again = read.covariance.restricted(covariance.names).matrix
-            assert again == pytest.approx(covariance.matrix, rel=1e-11, abs=1e-30)
 
 
 def test_random_rings_fit_their_images_and_use_all_lens_laws():

@@ -113,9 +113,11 @@ def test_a_rail_shadows_the_wall_from_an_off_centre_laser():
     brute = first_wall(RIG, wall, Pose(np.eye(3), np.array([0.05, 0.0, -0.33])), ring.clock)
     assert np.sum(np.abs(ring.radius - brute) > 1e-9) <= 2
     lit, _ = seen(RIG, wall, Pose(np.eye(3), np.array([0.05, 0.0, -0.33])))
-    flank = np.abs(lit.pipe_clock - np.pi) < 0.3
-    shadow = ~lit.visible & flank & (np.sin(lit.pipe_clock) < 0)  # the laser stands on the right, at 3 o'clock
-    assert 0.01 < np.ptp(lit.pipe_clock[shadow]) < 0.3
+    # the laser stands on the right, at 3 o'clock: the wall to the left of the rail gets no light
+    pipe = np.sort(clock_of(lit.points[:, 0] + 0.05, lit.points[:, 1]))
+    dark = np.argmax(np.diff(pipe))
+    assert 0.05 < pipe[dark + 1] - pipe[dark] < 0.3
+    assert pipe[dark] == pytest.approx(np.pi + 0.01 / R0, abs=0.03)
 
 
 def test_a_strut_cuts_the_ring_where_it_stands():
@@ -139,7 +141,7 @@ def test_true_quantities_of_an_ellipse_like_wall_are_its_formula():
     wall, pose = PipeWall(R0, (Ovality((3.0, 3.0), axis=0.0),)), Pose(np.eye(3), np.array([0.006, -0.004, -0.33]))
     lit, _ = seen(RIG, wall, pose)
     found = true_quantities(lit, nominal_radius=R0)
-    assert (found["centre_x"], found["centre_y"]) == pytest.approx((-0.006, 0.004), abs=2e-5)
+    assert (found["centre_x"], found["centre_y"]) == pytest.approx((-0.006, 0.004), abs=4e-5)  # 3 % oval
     assert found["diameter_mean"] == pytest.approx(2 * R0, rel=1e-5)
     assert found["diameter_vertical"] == pytest.approx(2 * R0 * 1.03, rel=1e-5)
     assert found["diameter_horizontal"] == pytest.approx(2 * R0 * 0.97, rel=1e-5)

@@ -22,8 +22,14 @@ const COSINE: [f64; 6] = [
 ];
 const ARC: [f64; 5] =
     [-8.750_608_600_031_904e-1, -1.615_753_718_733_365e1, -7.500_855_792_314_705e1, -1.228_866_684_490_136_2e2, -6.485_021_904_942_025e1];
-const ARC_BELOW: [f64; 6] =
-    [1.0, 2.485_846_490_142_306_3e1, 1.650_270_098_316_988_5e2, 4.328_810_604_912_902_7e2, 4.853_903_996_359_137e2, 1.945_506_571_482_614e2];
+const ARC_BELOW: [f64; 6] = [
+    1.0,
+    2.485_846_490_142_306_3e1,
+    1.650_270_098_316_988_5e2,
+    4.328_810_604_912_902_7e2,
+    4.853_903_996_359_137e2,
+    1.945_506_571_482_614e2,
+];
 const LOGARITHM: [f64; 7] = [
     1.479_819_860_511_658_6e-1,
     1.531_383_769_920_937_3e-1,
@@ -56,7 +62,7 @@ fn series<const N: usize>(x: Lanes, coefficients: [f64; N]) -> Lanes {
 pub fn sin_cos(angle: Lanes) -> (Lanes, Lanes) {
     let shifted = angle * Lanes::all(FRAC_2_PI) + Lanes::all(WHOLE);
     let quarters = shifted - Lanes::all(WHOLE);
-    let odd = each!(Mask, false, |k| shifted.0[k].to_bits() & 1 != 0);
+    let odd = each!(Mask, 0, |k| (shifted.0[k].to_bits() & 1).wrapping_neg());
     let x = (angle - quarters * Lanes::all(QUARTER)) - quarters * Lanes::all(QUARTER_REST);
     let z = x * x;
     let sine = x + x * z * series(z, SINE);

@@ -9,9 +9,10 @@ pub const LANES: usize = 8;
 #[repr(align(64))]
 pub struct Lanes(pub [f64; LANES]);
 
-/// One answer for each lane.
+/// One answer for each lane: all bits, or none.
 #[derive(Clone, Copy)]
-pub struct Mask(pub [bool; LANES]);
+#[repr(align(64))]
+pub struct Mask(pub [u64; LANES]);
 
 pub type Vector = [Lanes; 3];
 
@@ -25,6 +26,11 @@ macro_rules! each {
     }};
 }
 pub(super) use each;
+
+#[inline(always)]
+fn bits(answer: bool) -> u64 {
+    (answer as u64).wrapping_neg()
+}
 
 impl Lanes {
     pub const ZERO: Lanes = Lanes::all(0.0);
@@ -71,27 +77,27 @@ impl Lanes {
 
     #[inline(always)]
     pub fn less(self, other: Lanes) -> Mask {
-        each!(Mask, false, |k| self.0[k] < other.0[k])
+        each!(Mask, 0, |k| bits(self.0[k] < other.0[k]))
     }
 
     #[inline(always)]
     pub fn more(self, other: Lanes) -> Mask {
-        each!(Mask, false, |k| self.0[k] > other.0[k])
+        each!(Mask, 0, |k| bits(self.0[k] > other.0[k]))
     }
 
     #[inline(always)]
     pub fn at_least(self, other: Lanes) -> Mask {
-        each!(Mask, false, |k| self.0[k] >= other.0[k])
+        each!(Mask, 0, |k| bits(self.0[k] >= other.0[k]))
     }
 
     #[inline(always)]
     pub fn at_most(self, other: Lanes) -> Mask {
-        each!(Mask, false, |k| self.0[k] <= other.0[k])
+        each!(Mask, 0, |k| bits(self.0[k] <= other.0[k]))
     }
 
     #[inline(always)]
     pub fn is_nan(self) -> Mask {
-        each!(Mask, false, |k| self.0[k].is_nan())
+        each!(Mask, 0, |k| bits(self.0[k].is_nan()))
     }
 
     /// NaN stays where `self` is NaN.
@@ -108,29 +114,19 @@ impl Lanes {
 
 impl Mask {
     #[inline(always)]
-    pub const fn all(value: bool) -> Self {
-        Mask([value; LANES])
-    }
-
-    #[inline(always)]
     pub fn choose(self, yes: Lanes, no: Lanes) -> Lanes {
-        each!(Lanes, 0.0, |k| if self.0[k] { yes.0[k] } else { no.0[k] })
+        each!(Lanes, 0.0, |k| f64::from_bits((self.0[k] & yes.0[k].to_bits()) | (!self.0[k] & no.0[k].to_bits())))
     }
 
     #[inline(always)]
     pub fn any(self) -> bool {
-        self.0.iter().any(|&yes| yes)
-    }
-
-    #[inline(always)]
-    pub fn count(self) -> u64 {
-        self.0.iter().map(|&yes| u64::from(yes)).sum()
+        self.0.iter().fold(0, |any, yes| any | yes) != 0
     }
 }
 
 macro_rules! lane_by_lane {
-    ($on:ident, $zero:expr: $($kind:ident $name:ident $sign:tt),*) => {$(
-        impl $kind for $on {
+    ($on:ident, $zero:expr; $($operation:ident $name:ident $sign:tt),*) => {$(
+        impl $operation for $on {
             type Output = $on;
             #[inline(always)]
             fn $name(self, other: $on) -> $on {
@@ -140,8 +136,8 @@ macro_rules! lane_by_lane {
     )*};
 }
 
-lane_by_lane!(Lanes, 0.0: Add add +, Sub sub -, Mul mul *, Div div /);
-lane_by_lane!(Mask, false: BitAnd bitand &, BitOr bitor |);
+lane_by_lane!(Lanes, 0.0; Add add +, Sub sub -, Mul mul *, Div div /);
+lane_by_lane!(Mask, 0; BitAnd bitand &, BitOr bitor |);
 
 impl Neg for Lanes {
     type Output = Lanes;
@@ -155,7 +151,7 @@ impl Not for Mask {
     type Output = Mask;
     #[inline(always)]
     fn not(self) -> Mask {
-        each!(Mask, false, |k| !self.0[k])
+        each!(Mask, 0, |k| !self.0[k])
     }
 }
 

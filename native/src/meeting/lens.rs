@@ -8,13 +8,13 @@ pub enum Law {
     Perspective,
     Stereographic,
     Equidistant,
-    SineLaw,
+    Sine,
     EquisolidAngle,
 }
 
 impl Law {
     pub fn numbered(number: u8) -> Option<Self> {
-        [Law::Perspective, Law::Stereographic, Law::Equidistant, Law::SineLaw, Law::EquisolidAngle].get(usize::from(number)).copied()
+        [Law::Perspective, Law::Stereographic, Law::Equidistant, Law::Sine, Law::EquisolidAngle].get(usize::from(number)).copied()
     }
 
     /// The ratio image radius / k at which the law ends.
@@ -22,7 +22,7 @@ impl Law {
         match self {
             Law::Perspective | Law::Stereographic => f64::INFINITY,
             Law::Equidistant => std::f64::consts::PI,
-            Law::SineLaw | Law::EquisolidAngle => 1.0,
+            Law::Sine | Law::EquisolidAngle => 1.0,
         }
     }
 
@@ -44,7 +44,7 @@ impl Law {
                 let (sine, cosine) = sin_cos(q);
                 (sine, cosine, one)
             }
-            Law::SineLaw => {
+            Law::Sine => {
                 let cosine = ((one - q) * (one + q)).sqrt();
                 (q, cosine, cosine)
             }
@@ -56,10 +56,10 @@ impl Law {
     }
 }
 
-/// k and the residual r (1 + c1 q^2 + c2 q^4), q in half image heights, which holds up to `limit`.
+/// 1 / k and the residual r (1 + c1 q^2 + c2 q^4), q in half image heights, which holds up to `limit`.
 #[derive(Clone, Copy)]
 pub struct Lens {
-    pub k: Lanes,
+    pub per_k: Lanes,
     pub c1: Lanes,
     pub c2: Lanes,
     pub limit: Lanes,
@@ -86,11 +86,11 @@ impl Lens {
     #[inline(always)]
     pub fn zenith(&self, optics: &Optics, radius: Lanes) -> Zenith {
         let law_radius = if optics.residual { self.without_residual(optics.half_height, radius) } else { radius };
-        let ratio = law_radius / self.k;
+        let ratio = law_radius * self.per_k;
         let seen = ratio.less(Lanes::all(optics.law.end()));
         let ratio = seen.choose(ratio, Lanes::NAN);
         let (sine, cosine, slope) = optics.law.zenith(ratio);
-        let by_law_radius = Lanes::ONE / (self.k * slope);
+        let by_law_radius = self.per_k / slope;
         let q = law_radius * Lanes::all(1.0 / optics.half_height);
         let square = q * q;
         let by_radius = if optics.residual { by_law_radius / self.slope(square) } else { by_law_radius };
@@ -110,6 +110,7 @@ impl Lens {
     }
 
     /// Newton from the radius itself; where an inflection throws it off, halving and Newton again. NaN beyond `limit`.
+    #[inline(always)]
     fn without_residual(&self, half_height: f64, radius: Lanes) -> Lanes {
         let y = radius * Lanes::all(1.0 / half_height);
         let y = y.at_most(self.value(self.limit)).choose(y, Lanes::NAN);
@@ -165,4 +166,3 @@ pub fn limit_of_residual(c1: f64, c2: f64) -> f64 {
     let roots = [constant / larger, larger / square];
     roots.into_iter().filter(|&root| root > 0.0 && root.is_finite()).fold(FARTHEST * FARTHEST, f64::min).sqrt()
 }
-

@@ -9,9 +9,11 @@ import typer
 
 from calibore import __version__
 from calibore.cli._demo import demo
+from calibore.cli._design import design
 from calibore.cli._export import export
 from calibore.cli._failure import telling_failures
 from calibore.cli._profile import profile
+from calibore.cli._reproduce import reproduce
 
 app = typer.Typer(
     name="calibore",
@@ -38,8 +40,9 @@ def _common(
     pass
 
 
-for verb in (demo, profile, export):
+for verb in (demo, profile, export, reproduce):
     app.command()(verb)
+app.add_typer(design)
 
 
 def main() -> None:

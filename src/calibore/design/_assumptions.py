@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from calibore.errors import InputError
 from calibore.uncertainty import Covariance, Distribution
 
+Rule = Literal["best", "minimum-variance"]
 LENGTH_LIMIT = 0.001  # of the nominal radius (Swanbom 2007, sections 3.3.2 and 4.3.2)
 Direction = Literal["scan"] | NDArray[np.float64] | None
 """Of the noise in the image: along the scan (radial for rings, along u for a side-facing line), along given unit
@@ -19,7 +20,7 @@ vectors, or None for u and v alike."""
 class Assumptions:
     """`length`: standard uncertainty of the lengths a rig is built to, as a fraction of the nominal radius, with its
     `distribution`; `correlated`: angles are known through those lengths and move with them; `direction` of the noise
-    of `u_pixel` [px].
+    of `u_pixel` [px]; `coverage_factor` k of the expanded uncertainties U = k u; `rule` by which lasers are combined.
     """
 
     length: float
@@ -27,6 +28,8 @@ class Assumptions:
     correlated: bool = True
     direction: Literal["scan"] | None = "scan"
     u_pixel: float = 1.0
+    coverage_factor: float = 2.0
+    rule: Rule = "minimum-variance"
 
     def __post_init__(self) -> None:
         if not 0 <= self.length < np.inf:
@@ -51,8 +54,8 @@ class Assumptions:
         return Covariance(names, matrix, [self.distribution] * len(names))
 
 
-AS_PUBLISHED = Assumptions(LENGTH_LIMIT, correlated=False, direction=None)
-"""Swanbom 2007: limits taken as standard uncertainties, derived angles as independent inputs, noise in both axes."""
+AS_PUBLISHED = Assumptions(LENGTH_LIMIT, correlated=False, direction=None, coverage_factor=1.0, rule="best")
+"""Swanbom 2007: limits propagated as they are, derived angles as independent inputs, noise in both axes."""
 
 HONEST = Assumptions(Distribution.RECTANGULAR.u_of_limits(LENGTH_LIMIT), Distribution.RECTANGULAR)
 """The same limits as a rectangular distribution, angles that move with their lengths, noise along the scan only."""

@@ -20,7 +20,7 @@ class Imager:
     lens: str = "equidistant"
 
     def seeing(self, half_angle: float, *, across: Axis) -> Camera:
-        """The camera that sees `half_angle` [rad] at the edge of the image across its long or short axis, or along u."""
+        """The camera that sees `half_angle` [rad] at the edge of the image, across its long or short axis or u."""
         sides = {"long": max(self.width, self.height), "short": min(self.width, self.height), "u": self.width}
         unit = Lens(self.lens, 1.0, self.height / 2)
         reach = float(unit.image_radius(half_angle))

@@ -2,17 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore.design._assumptions import Rule
 from calibore.design._prediction import Prediction
 from calibore.errors import InputError
 from calibore.uncertainty import MEASURABLE_ABOVE
 
 Array = NDArray[np.float64]
-Rule = Literal["best", "minimum-variance"]
 
 
 @dataclass(frozen=True, eq=False)

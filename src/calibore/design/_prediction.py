@@ -15,6 +15,7 @@ from calibore.status import Status
 from calibore.uncertainty import MEASURABLE_ABOVE, Covariance, budget, propagate
 
 Array = NDArray[np.float64]
+EDGE = 1e-6  # px, of rounding
 STRIPE = "stripe"
 """The name under which the noise of the line position stands in a budget."""
 
@@ -160,11 +161,13 @@ def predict_on_wall(
 
 
 def in_image(rig: Rig, u: ArrayLike, v: ArrayLike) -> NDArray[np.bool_]:
-    """Whether the pixels lie on the sensor, edges included."""
+    """Whether the pixels lie in the image, which the fields of view of the source count from 0 to its width."""
     u, v = np.asarray(u), np.asarray(v)
     camera = rig.camera
-    rows = (v >= -0.5) & (v <= camera.height) if camera.height > 1 else np.abs(v - camera.principal_point[1]) <= 1
-    return (u >= -0.5) & (u <= camera.width) & rows
+    rows = (v >= -EDGE) & (v <= camera.height + EDGE)
+    if camera.height == 1:
+        rows = np.abs(v - camera.principal_point[1]) <= 1
+    return (u >= -EDGE) & (u <= camera.width + EDGE) & rows
 
 
 def _along(rig: Rig, u: Array, v: Array, direction: Direction) -> Array | None:

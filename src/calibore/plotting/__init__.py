@@ -9,14 +9,22 @@ gives it, its ring quantities, and the nominal radius [m]. Files are the caller'
 `shaded_view`                        the wall as a solid, cut open
 `detected_line`                      one camera image with the line found in it
 `STANDARD_PICTURES`                  all but the last, with titles and captions, in report order
+`design_pictures`                    all pictures of an analysed design, with titles and captions
+`published_picture`                  a table or figure of the source, drawn anew; `published_number` of it
+`design_chart`                       the designs that an optimisation found
+`save_picture`, `save_vector`        a figure as PNG, as SVG
 `worst_stations`, `governing_ovality`, `clock_text`   what pictures and reports must say alike
 """
 
 from calibore.plotting._along import diameter_along, ovality_along
+from calibore.plotting._design import DesignPicture, design_pictures, save_vector
+from calibore.plotting._design_build import limit_text, parameter_words
 from calibore.plotting._figures import COVERAGE_FACTOR, save_picture
 from calibore.plotting._lengths import LengthUnit, axial_unit, length_unit
 from calibore.plotting._line import detected_line
 from calibore.plotting._maps import deviation_map, uncertainty_map
+from calibore.plotting._optimise import design_chart
+from calibore.plotting._published import published_number, published_picture
 from calibore.plotting._rings import GOVERNING_OVALITY, OVALITY_DEFINITIONS, governing_ovality, worst_stations
 from calibore.plotting._sections import worst_sections
 from calibore.plotting._shaded import shaded_view
@@ -30,17 +38,25 @@ __all__ = [
     "GOVERNING_OVALITY",
     "OVALITY_DEFINITIONS",
     "STANDARD_PICTURES",
+    "DesignPicture",
     "LengthUnit",
     "Picture",
     "axial_unit",
     "clock_text",
+    "design_chart",
+    "design_pictures",
     "detected_line",
     "deviation_map",
     "diameter_along",
     "governing_ovality",
     "length_unit",
+    "limit_text",
     "ovality_along",
+    "parameter_words",
+    "published_number",
+    "published_picture",
     "save_picture",
+    "save_vector",
     "shaded_view",
     "uncertainty_map",
     "worst_sections",

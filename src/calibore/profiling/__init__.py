@@ -8,9 +8,10 @@
 """
 
 from calibore.profiling._grid import Ring
+from calibore.profiling._job import Job
 from calibore.profiling._pipeline import in_order
 from calibore.profiling._profile import Finisher, Progress, Sealed, measure_scan, prepare, profile_scan
-from calibore.profiling._station import Job, StationResult, measure_image, measure_station
+from calibore.profiling._station import StationResult, measure_image, measure_station
 from calibore.profiling._summary import Tally
 
 __all__ = [

@@ -1,6 +1,6 @@
 """What could not be measured, in words: images refused, stations without images or without a place."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import islice, pairwise
 
 import numpy as np
@@ -33,6 +33,16 @@ def refused_sentence(count: int, skipped: Sequence[dict[str, str]]) -> str:
     named = [f"{some(names)} ({reason})" for reason, names in by_reason.items()]
     more = [f"{len(named) - NAMED} more reasons in summary.json"] if len(named) > NAMED else []
     return f"{counted(count, 'image')} could not be used: {'; '.join(named[:NAMED] + more)}."
+
+
+def unlit_sentence(counts: Mapping[int, int]) -> str:
+    """The takes of `counts`, each in so many images, show no laser alone and were not looked at."""
+    takes, images = sorted(counts), sum(counts.values())
+    was = "was" if images == 1 else "were"
+    return (
+        f"{counted(images, 'image')} {was} not looked at: by laser.takes in the rig file no laser is lit alone in "
+        f"take{'s' * (len(takes) > 1)} {some(takes)}."
+    )
 
 
 def unplaced_sentence(stations: Sequence[int]) -> str:

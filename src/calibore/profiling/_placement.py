@@ -45,12 +45,20 @@ class Placer:
 
 
 def open_source(spec: ScanSpec, rig: Rig) -> tuple[ImageSource, str, Placer]:
-    """The scan's pictures, the colour channel its line is looked for in, and where its stations lie."""
+    """The scan's pictures, the colour channel in which lines are looked for where the rig file says none, and where
+    its stations lie.
+    """
+    channels = {laser.channel for laser in rig.lasers}
     channel = rig.lasers[0].channel
     if spec.video is not None:
+        if len(channels) > 1:
+            raise InputError(
+                f'Video "{spec.video}" is read in one colour channel, but the lasers of the rig have several; '
+                "give them one channel, or save the frames as images."
+            )
         return _open_video(spec, spec.video, channel=channel or VIDEO_CHANNEL, camera=rig.camera)
     source = ImageFolder(spec.folder, spec.pattern or "")
-    return source, channel or FOLDER_CHANNEL, _by_station(spec)
+    return source, FOLDER_CHANNEL, _by_station(spec)
 
 
 def _open_video(spec: ScanSpec, path: Path, *, channel: str, camera: Camera) -> tuple[ImageSource, str, Placer]:

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from calibore.errors import InputError
 from calibore.images import ImageSource, StationImages
+from calibore.lasers import Beam
+from calibore.profiling._job import Job
+from calibore.profiling._lasers import check_told_apart
 from calibore.profiling._pipeline import in_order
 from calibore.profiling._placement import Placement, Placer, open_source
 from calibore.profiling._station import (
-    Job,
     StationLines,
     StationRefusedError,
     StationResult,
@@ -22,11 +24,9 @@ from calibore.profiling._station import (
     find_lines,
 )
 from calibore.profiling._summary import Tally, summarise
-from calibore.profiling._take import search_region
-from calibore.rigs import Rig, read_rig
+from calibore.rigs import FORWARD, Rig, read_rig
 from calibore.scans import ResultWriter, ScanSpec, read_scan
 from calibore.stripe import Stripe, estimator_named
-from calibore.uncertainty import Covariance
 
 
 class Progress(Protocol):
@@ -84,14 +84,29 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
         )
     if spec.rig_path is None:
         raise InputError(f'{spec.folder / "scan.toml"} names no rig; add rig = "rig.toml".')
-    rig = read_rig(spec.rig_path).with_default_uncertainty(spec.nominal_radius)
+    rig = read_rig(spec.rig_path)
+    if rig.mount != FORWARD or any(isinstance(laser.surface, Beam) for laser in rig.lasers):
+        raise InputError(
+            f"{spec.rig_path} describes a {rig.configuration} rig; this version profiles images of forward-looking "
+            "laser rings only."
+        )
+    source, channel, place = open_source(spec, rig)
     try:
-        search = search_region(rig, spec.nominal_radius, inner=spec.search_inner, outer=spec.search_outer)
+        job = Job.of(
+            rig,
+            spec.nominal_radius,
+            channel=channel,
+            estimator=estimator,
+            inner=spec.search_inner,
+            outer=spec.search_outer,
+        )
     except InputError as error:
         raise InputError(f"{spec.folder / 'scan.toml'} and its rig file do not fit together: {error}") from error
-    source, channel, place = open_source(spec, rig)
-    covariance = rig.covariance or Covariance.independent({})
-    return Job(rig, covariance, search, channel, estimator, spec.nominal_radius), source, place
+    try:
+        check_told_apart(rig, job.looks)
+    except InputError as error:
+        raise InputError(f"{spec.rig_path}: {error}") from error
+    return job, source, place
 
 
 def measure_scan(

@@ -15,6 +15,10 @@ OUTLINE = 128
 NARROWEST = 8.0
 """Least width [px] of the annulus a ring is looked for in: twice the width of a line."""
 
+WIDEST = 1.5
+"""Farthest that a line is looked for on the side of a cone's apex, over the nominal ring: a wall near the apex is imaged
+anywhere, and an annulus much wider than the ring spoils what is learnt from neighbouring rays."""
+
 
 @dataclass(frozen=True)
 class Search:
@@ -47,7 +51,7 @@ def search_region(rig: Rig, nominal_radius: float, *, inner: float, outer: float
     corners = np.array([[0, 0], [0, low], [right, 0], [right, low]])
     corner = float(np.hypot(*(corners - centre).T).max())
     least = float(min(near.min(initial=np.inf), far.min(initial=np.inf))) if near.size else 0.0
-    most = min(float(max(near.max(initial=0.0), far.max())) if far.size == OUTLINE else corner, corner)
+    most = min(_outermost(near, far, np.hypot(u - centre[0], v - centre[1])[seen]), corner)
     search = Search(centre, least, most)
     beside = float(np.hypot(*np.maximum(np.maximum(-np.array(centre), centre - corners[-1]), 0)))
     if max(least, beside) + NARROWEST > most:
@@ -56,6 +60,14 @@ def search_region(rig: Rig, nominal_radius: float, *, inner: float, outer: float
             f"{rig.camera.height} px ({search}); check nominal_radius, baseline, lens, k and principal_point."
         )
     return search
+
+
+def _outermost(near: Array, far: Array, nominal: Array) -> float:
+    """The largest distance [px] of a ring: that of the far wall, unless a near one is imaged further out."""
+    outermost = float(far.max()) if far.size == OUTLINE else np.inf
+    if near.size and near.max() > outermost:
+        return min(float(near.max()), WIDEST * float(nominal.max()))
+    return outermost
 
 
 def _distances(rig: Rig, radius: float, centre: tuple[float, float], laser: int) -> Array:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,37 +12,21 @@ from calibore.errors import ImageError
 from calibore.geometry import clock_of
 from calibore.images import ImageFileError, Pixels, StationImages
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
+from calibore.profiling._fusion import fuse_lasers
 from calibore.profiling._grid import Ring, grid_ring
+from calibore.profiling._job import Job
+from calibore.profiling._lasers import alone_in
 from calibore.profiling._placement import Placement
-from calibore.profiling._take import Search, TakePoints, find_line, measure_take, place_on_wall, search_region
+from calibore.profiling._search import find_line
+from calibore.profiling._take import TakePoints, place_on_wall
 from calibore.profiling._takes import combine_takes
-from calibore.rigs import Rig
-from calibore.scans import RingPoints, RingProfile, ScanSpec
+from calibore.scans import RingPoints, RingProfile
 from calibore.stripe import Stripe
 from calibore.uncertainty import Covariance, Quantity, propagate
 
 Array = NDArray[np.float64]
-NOT_LIT = "laser.takes in the rig file does not name this take; correct one of them"
+NOT_LIT = "laser.takes in the rig file does not name this take for one laser alone; correct one of them"
 UNITS = {"area": "_m2", "clock": "_rad", "ovality": "_percent", "deflection": "_percent"}
-
-
-@dataclass(frozen=True)
-class Job:
-    """What all stations share. `covariance` is the rig's, of parameters common to the scan."""
-
-    rig: Rig
-    covariance: Covariance
-    search: Search
-    channel: str
-    estimator: str
-    nominal_radius: float
-
-    @classmethod
-    def of(cls, rig: Rig, nominal_radius: float, *, channel: str = "red", estimator: str = "zero-crossing") -> "Job":
-        """For pictures taken with `rig` in a pipe of `nominal_radius` [m], searched as wide as scans are by default."""
-        rig = rig.with_default_uncertainty(nominal_radius)
-        search = search_region(rig, nominal_radius, inner=ScanSpec.search_inner, outer=ScanSpec.search_outer)
-        return cls(rig, rig.covariance or Covariance.independent({}), search, channel, estimator, nominal_radius)
 
 
 @dataclass(frozen=True)
@@ -62,7 +47,9 @@ class StationRefusedError(ImageError):
 
 @dataclass(frozen=True)
 class StationResult:
-    """What one station gave; `refused` images could not be used; `first_image` reads the first used one again."""
+    """What one station gave; `refused` images could not be used; `unlit` takes show no laser alone, as the rig file
+    says; `first_image` reads the first used one again. `images`: how many were used, with a line of each laser alone.
+    """
 
     profile: RingProfile
     points: RingPoints
@@ -73,41 +60,58 @@ class StationResult:
     takes: tuple[TakePoints, ...]
     refused: tuple[RefusedImage, ...]
     first_image: Callable[[], Pixels]
+    images: int
+    unlit: tuple[int, ...] = ()
 
 
-def measure_image(image: Pixels, job: Job) -> Ring:
-    """The ring in one picture (h, w) or (h, w, 3) on the clock grid; raises ImageError where there is none."""
-    take = measure_take(image, job.rig, job.search, channel=job.channel, estimator=job.estimator)
+def measure_image(image: Pixels, job: Job, *, laser: int = 0) -> Ring:
+    """The ring of one laser in one picture (h, w) or (h, w, 3) on the clock grid; raises ImageError if there is none.
+
+    The other lasers of the rig must be dark, or of another colour.
+    """
+    look = job.looks[laser]
+    stripe = find_line(image, job.rig, look.search, channel=look.channel, estimator=job.estimator)
+    take = place_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius)
     return grid_ring(take, job.covariance, stripe=job.rig.stripe)
+
+
+class Line(NamedTuple):
+    """The line of `laser` in one `take`."""
+
+    take: int
+    laser: int
+    stripe: Stripe
 
 
 @dataclass(frozen=True)
 class StationLines:
-    """The lines found in the images of one station: `stripes` in the takes `numbers`; `refused` images had none."""
+    """The `lines` found in the images of one station; `refused` images had none; `unlit` takes were not looked at."""
 
     images: StationImages
-    numbers: tuple[int, ...]
-    stripes: tuple[Stripe, ...]
+    lines: tuple[Line, ...]
     refused: tuple[RefusedImage, ...]
+    unlit: tuple[int, ...]
 
 
 def find_lines(images: StationImages, job: Job) -> StationLines:
-    """Read the images of a station and find the line in each; an image that cannot be used is refused.
+    """Read the images of a station and find the lines in each; an image that cannot be used is refused.
 
-    Takes in which the rig's laser is not lit (`Laser.takes`) are no part of it. Nearly all of this runs in compiled
-    code that does not hold Python's lock, so it gains from threads; the rest of a station would only wait for the lock.
+    Takes in which no laser of the rig is lit alone (`Laser.takes`) are no part of it. Nearly all of this runs in
+    compiled code that does not hold Python's lock, so it gains from threads; the rest would only wait for the lock.
     """
-    lit = [number for number in images.takes if job.rig.lasers[0].is_lit(number)]
-    refused = [] if lit else [RefusedImage(images.name(number), NOT_LIT) for number in images.takes]
-    numbers, stripes = [], []
-    for number in lit:
+    looks = {number: alone_in(number, job.rig, job.looks) for number in images.takes}
+    unlit = tuple(number for number in images.takes if not looks[number])
+    refused = [RefusedImage(images.name(number), NOT_LIT) for number in unlit] if len(unlit) == len(looks) else []
+    lines = []
+    for number in (number for number in images.takes if looks[number]):
         try:
             picture = images.read(number)
-            stripes.append(find_line(picture, job.rig, job.search, channel=job.channel, estimator=job.estimator))
-            numbers.append(number)
+            for look in looks[number]:
+                stripe = find_line(picture, job.rig, look.search, channel=look.channel, estimator=job.estimator)
+                lines.append(Line(number, look.laser, stripe))
         except ImageError as error:
             refused.append(_refusal(images.name(number), error))
-    return StationLines(images, tuple(numbers), tuple(stripes), tuple(refused))
+    return StationLines(images, tuple(lines), tuple(refused), unlit)
 
 
 def _refusal(name: str, error: ImageError) -> RefusedImage:
@@ -125,29 +129,42 @@ def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> Sta
     images, refused = lines.images, list(lines.refused)
     takes: list[TakePoints] = []
     numbers: list[int] = []
-    for number, stripe in zip(lines.numbers, lines.stripes, strict=True):
+    for number, laser, stripe in lines.lines:
         try:
-            takes.append(place_on_wall(stripe, job.rig))
+            takes.append(place_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius))
             numbers.append(number)
         except ImageError as error:
             refused.append(_refusal(images.name(number), error))
     if not takes:
         raise StationRefusedError(refused)
-    rings = [grid_ring(take, job.covariance, stripe=job.rig.stripe) for take in takes]
-    ring, shared = combine_takes(rings)
+    ring, shared = _one_ring(takes, job)
     shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)
     quantities = ring_quantities(shape, nominal_radius=job.nominal_radius, roll=placement.roll)
     return StationResult(
         _profile(images.station, placement, ring, quantities),
         _points(takes, numbers, placement, job.covariance),
-        ring_row(quantities, takes=len(takes)),
+        ring_row(quantities, takes=len(set(numbers))),
         quantities,
         shared,
         float(np.mean([take.stripe.scale for take in takes])),
         tuple(takes),
         tuple(refused),
         partial(images.read, numbers[0]),
+        len(set(numbers)),
+        lines.unlit,
     )
+
+
+def _one_ring(takes: list[TakePoints], job: Job) -> tuple[Ring, float]:
+    """The takes of each laser combined, then the lasers fused; the mean correlation of takes of one laser, NaN where
+    none has two.
+    """
+    rings: dict[int, list[Ring]] = {}
+    for take in takes:
+        rings.setdefault(take.laser, []).append(grid_ring(take, job.covariance, stripe=job.rig.stripe))
+    combined = [combine_takes(of_laser) for of_laser in rings.values()]
+    shared = [share for (_, share), of_laser in zip(combined, rings.values(), strict=True) if len(of_laser) > 1]
+    return fuse_lasers([ring for ring, _ in combined]), float(np.mean(shared)) if shared else float("nan")
 
 
 def _profile(station: int, placement: Placement, ring: Ring, quantities: RingQuantities) -> RingProfile:

@@ -10,8 +10,18 @@ import numpy as np
 
 from calibore import __version__
 from calibore.images import Refusal, StationImages
-from calibore.profiling._missing import counted, gap_sentences, refused_sentence, some, unplaced_sentence
-from calibore.profiling._station import Job, RefusedImage, StationResult
+from calibore.lasers import Cone
+from calibore.profiling._job import Job
+from calibore.profiling._missing import (
+    counted,
+    gap_sentences,
+    refused_sentence,
+    some,
+    unlit_sentence,
+    unplaced_sentence,
+)
+from calibore.profiling._rig_table import describe_rig
+from calibore.profiling._station import RefusedImage, StationResult
 from calibore.scans import ScanSpec
 from calibore.status import MEANING, Status
 
@@ -20,12 +30,6 @@ WORST = 10
 LISTED = 1000
 """Refused images listed in the summary; a survey may lose more than that to one cause."""
 LOW_FRACTION = 0.5
-PARAMETER_UNITS = {
-    "laser.baseline": "m",
-    "camera.k": "px",
-    "camera.principal_point_u": "px",
-    "camera.principal_point_v": "px",
-}
 COMPARED = ("diameter_mean_m", "ovality_f1216_max_percent", "ovality_f1216_min_percent", "deflection_percent")
 
 
@@ -40,6 +44,7 @@ class Tally:
     skipped: list[dict[str, str]] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
     flags: dict[str, int] = field(default_factory=dict)
+    unlit: dict[int, int] = field(default_factory=dict)
     statuses: np.ndarray = field(default_factory=lambda: np.zeros(max(Status) + 1, dtype=np.int64))
     worst: list[dict[str, Any]] = field(default_factory=list)
     thin: list[int] = field(default_factory=list)
@@ -61,13 +66,15 @@ class Tally:
 
     def add(self, result: StationResult) -> None:
         self.stations += 1
-        self.images += len(result.takes)
+        self.images += result.images
+        for take in result.unlit:
+            self.unlit[take] = self.unlit.get(take, 0) + 1
         self.refuse(result.refused)
         self.statuses += np.bincount(result.profile.status, minlength=self.statuses.size)
         for flag in result.quantities.flags:
             self.flags[flag] = self.flags.get(flag, 0) + 1
         self._scales += result.scale
-        if len(result.takes) > 1:
+        if np.isfinite(result.take_correlation):
             self._shared = [self._shared[0] + result.take_correlation, self._shared[1] + 1]
         diameter = result.quantities.diameter_mean
         if np.isfinite(diameter.value):
@@ -142,7 +149,7 @@ def summarise(spec: ScanSpec, job: Job, tally: Tally) -> dict[str, Any]:
         "limits": {name: limit for name, limit in limits.items() if limit is not None},
         "estimator": job.estimator,
         "channel": job.channel,
-        "rig": describe_rig(job, spec),
+        "rig": describe_rig(job, file=spec.rig_path.name if spec.rig_path else None),
         "counts": {
             "stations": tally.stations,
             "images": tally.images,
@@ -163,53 +170,30 @@ def summarise(spec: ScanSpec, job: Job, tally: Tally) -> dict[str, Any]:
     }
 
 
-def describe_rig(job: Job, spec: ScanSpec) -> dict[str, Any]:
-    """Configuration, lens and parameters of the rig, with standard uncertainties where they are stated."""
-    rig, camera, lens = job.rig, job.rig.camera, job.rig.camera.lens
-    surface, (u, v) = rig.lasers[0].surface, camera.principal_point
-    stated = dict(zip(job.covariance.names, job.covariance.u, strict=True))
-    values = {f"laser.{name}": getattr(surface, name) for name in surface.parameter_names}
-    values |= {"camera.k": lens.k, "camera.c1": lens.c1, "camera.c2": lens.c2, "camera.aspect": camera.aspect}
-    values |= {f"camera.polynomial_{2 * i + 3}": p for i, p in enumerate(lens.polynomial)}
-    values |= {"camera.principal_point_u": u, "camera.principal_point_v": v}
-    parameters = [
-        {
-            "name": n,
-            "value": float(x),
-            "u": float(stated[n]) if n in stated else None,
-            "unit": PARAMETER_UNITS.get(n, ""),
-        }
-        for n, x in values.items()
-    ]
-    return {
-        "configuration": rig.configuration,
-        "file": spec.rig_path.name if spec.rig_path else None,
-        "lens": lens.law,
-        "image": [camera.width, camera.height],
-        "parameters": parameters,
-        "default_uncertainty": rig.default_uncertainty,
-        "stripe_px": rig.stripe,
-        "degrees_of_freedom": rig.degrees_of_freedom,
-    }
-
-
 def warnings_of(job: Job, tally: Tally) -> list[str]:
     """What a reader of the result must know, one sentence each."""
     found = []
     if job.rig.default_uncertainty:
         found.append(
-            "The rig file states no uncertainty of the baseline: +-0.1 % of the nominal radius is assumed, and "
+            f"The rig file states no uncertainty of the {_assumed(job)}: +-0.1 % of the nominal radius is assumed, and "
             "everything it does not mention (lens, principal point, tilt) is taken as exactly known."
         )
     if tally.unusable_images:
         found.append(refused_sentence(tally.unusable_images, tally.skipped))
+    if tally.unlit:
+        found.append(unlit_sentence(tally.unlit))
     found += [*tally.left_out, *tally.gaps()]
     if tally.thin:
         at = "station" if len(tally.thin) == 1 else f"{len(tally.thin)} stations:"
         found.append(f"Less than {100 * LOW_FRACTION:.0f} % of the ring was measured at {at} {some(tally.thin)}.")
-    for status in (Status.MULTIPLE, Status.NOT_LASER, Status.OFF_RING):
+    for status in (Status.MULTIPLE, Status.NOT_LASER, Status.OFF_RING, Status.GRAZING):
         count = int(tally.statuses[status])
         if count:
             have = "has" if count == 1 else "have"
             found.append(f"{counted(count, 'position')} {have} no value: {MEANING[status]}.")
     return found
+
+
+def _assumed(job: Job) -> str:
+    """Which lengths the default uncertainty is one of."""
+    return "baseline and the projection" if any(isinstance(one.surface, Cone) for one in job.rig.lasers) else "baseline"

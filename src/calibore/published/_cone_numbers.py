@@ -1,6 +1,7 @@
-"""Numbers of chapter 3: one and two cones. Lengths in nominal radii, azimuths in degrees as the dissertation counts them."""
+"""Numbers of chapter 3: one and two cones. Lengths in nominal radii, azimuths in degrees from the right."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -14,6 +15,7 @@ Array = NDArray[np.float64]
 LONG_AXIS = 1024
 SECOND_CLOCK = -np.pi / 2  # the second laser at azimuth 180 deg: the worst azimuth is then -45 deg, as printed
 FAR = 1  # the row of `Cone.meet` where the ray leaves the light
+ITS_OWN = 1e-6
 EVERY = np.arange(-179.5, 180.0, 0.25)
 
 
@@ -27,8 +29,6 @@ def square_rig(
     baseline: float, projection: float, *, lasers: int = 1, correlated: bool = False, pixels: int = LONG_AXIS
 ) -> Rig:
     """A cone rig as published; its image is square: section 3.3.5 neglects the aspect ratio."""
-    from dataclasses import replace
-
     inputs = replace(AS_PUBLISHED, correlated=correlated)
     second = SECOND_CLOCK if lasers == 2 else None
     return cone_rig(baseline, projection, second_clock=second, width=pixels, height=pixels, inputs=inputs)
@@ -38,6 +38,12 @@ def on_wall(rig: Rig, azimuth: ArrayLike, radius: ArrayLike = 1.0, *, laser: int
     """As published: one pixel of noise along u and along v (eqs. 3-57, 3-59)."""
     noise = {"u_pixel": AS_PUBLISHED.u_pixel, "direction": AS_PUBLISHED.direction}
     return predict_on_wall(rig, clock_of_azimuth(azimuth), radius, laser=laser, **noise)
+
+
+def u_on_wall(rig: Rig, azimuth: ArrayLike, radius: ArrayLike = 1.0, *, laser: int = 0) -> Array:
+    """U[R] there; NaN where the wall's own meeting is too grazing and only the other one is left."""
+    found = on_wall(rig, azimuth, radius, laser=laser)
+    return np.where(np.abs(found.radius / np.asarray(radius, dtype=float) - 1) < ITS_OWN, found.u_radius, np.nan)
 
 
 def composite(rig: Rig, azimuth: ArrayLike) -> Array:
@@ -95,7 +101,9 @@ def _azimuth_where(rig: Rig, slope: Callable[[Cone, Array], Array]) -> float:
     def at(azimuth: float) -> float:
         return float(slope(cone, lit_points(rig, clock_of_azimuth(azimuth), 1.0))[0])
 
-    return float(brentq(at, -80.0, 57.0, xtol=1e-12, rtol=1e-14))
+    found = brentq(at, -80.0, 57.0, xtol=1e-12)
+    assert isinstance(found, float)
+    return found
 
 
 def _rays(points: Array) -> Array:

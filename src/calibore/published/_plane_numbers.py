@@ -24,7 +24,8 @@ def plane(baseline: float) -> Rig:
 def at_pixel(baseline: float, p: ArrayLike, q: ArrayLike) -> Prediction:
     """At `p`, `q` [px] right and below the image centre, as published."""
     rig = plane(baseline)
-    return predict(rig, rig.camera.principal_point[0] + np.asarray(p), rig.camera.principal_point[1] + q, **NOISE)
+    centre_u, centre_v = rig.camera.principal_point
+    return predict(rig, centre_u + np.asarray(p, dtype=float), centre_v + np.asarray(q, dtype=float), **NOISE)
 
 
 def plane_at_radius(baseline: float, radius: ArrayLike, *, rig: Rig | None = None) -> Prediction:

@@ -21,7 +21,8 @@ def head(baseline: float, *, correlated: bool = False) -> Rig:
 def at_pixel(baseline: float, p: ArrayLike, q: ArrayLike) -> Prediction:
     """At `p` [px] from the image centre along the range, `q` [px] along the pipe."""
     rig = head(baseline)
-    return predict(rig, rig.camera.principal_point[0] + np.asarray(p), rig.camera.principal_point[1] - q, **NOISE)
+    centre_u, centre_v = rig.camera.principal_point
+    return predict(rig, centre_u + np.asarray(p, dtype=float), centre_v - np.asarray(q, dtype=float), **NOISE)
 
 
 def at_radius(baseline: float, radius: ArrayLike, *, correlated: bool = False) -> Prediction:

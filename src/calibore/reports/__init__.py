@@ -3,11 +3,26 @@
 `finisher`         for `profiling.profile_scan`: pictures, report and exports beside the arrays
 `illustrate`       the pictures and the report alone
 `write_report`     folder, summary, rings and pictures in; OUT/report.html out
+`write_reproduction`   what the source published beside what this program computes, as a page of its own
+`write_design`     an analysed design as a folder of pictures, numbers (design.json) and one page; `design_data`
 `expanded_text`    `(304.62 ± 0.13) mm`: a value with its expanded uncertainty, rounded to what it can carry
+`write_optimisation`   the rigs that an optimisation found as a folder of rig files, chart, numbers and one page
 """
 
+from calibore.reports._design import design_data, write_design
 from calibore.reports._finisher import finisher, illustrate
 from calibore.reports._numbers import expanded_text
+from calibore.reports._optimise import optimisation_data, write_optimisation
 from calibore.reports._report import write_report
+from calibore.reports._reproduction import write_reproduction
 
-__all__ = ["expanded_text", "finisher", "illustrate", "write_report"]
+__all__ = [
+    "design_data",
+    "expanded_text",
+    "finisher",
+    "illustrate",
+    "optimisation_data",
+    "write_optimisation",
+    "write_report",
+    "write_reproduction",
+]

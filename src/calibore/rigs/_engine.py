@@ -1,5 +1,6 @@
 """What the compiled engine is told of a rig, and which rigs it knows; the others go the way of its NumPy twin."""
 
+from functools import lru_cache
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -71,6 +72,12 @@ def values_of(rig: Rig, laser: int) -> Array:
     values = [getattr(surface, name) for name in surface.parameter_names]
     values += [getattr(rig.mount, name) for name in rig.mount.parameter_names]
     return np.array([*values, camera.lens.k, camera.lens.c1, camera.lens.c2, camera.aspect, *camera.principal_point])
+
+
+@lru_cache(maxsize=16)
+def known_of(rig: Rig, laser: int) -> tuple[Make, Array, Array]:
+    """Make, values and modes: all that the engine is told of a rig, once for many calls."""
+    return make_of(rig, laser), values_of(rig, laser), modes_of(rig, laser)
 
 
 def modes_of(rig: Rig, laser: int) -> Array:

@@ -15,6 +15,7 @@ from calibore.rigs._triangulation import Sensitivities, triangulate
 from calibore.uncertainty import Covariance, propagate
 
 Array = NDArray[np.float64]
+ROWS = 7
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,23 +67,15 @@ def measure(
     noise, directions = native.each(u_pixel, u.size, what="u_pixel"), native.columns(direction, u.size)
     if not native.is_native(kernel, rig, laser):
         return _by_numpy(rig, u, v, noise, directions, laser=laser, prior_radius=prior_radius, branch=branch)
-    choice = _choice(rig, u.size, laser=laser, prior_radius=prior_radius, branch=branch)
-    rows, status = native.engine.measure_points(
-        native.make_of(rig, laser),
-        native.values_of(rig, laser),
-        native.modes_of(rig, laser),
-        u,
-        v,
-        choice,
-        noise,
-        directions,
-        threads or 0,
-    )
+    choice = choice_of(rig, u.size, laser=laser, prior_radius=prior_radius, branch=branch)
+    rows, status = np.empty((ROWS, u.size)), np.empty(u.size, dtype=np.uint8)
+    known = native.known_of(rig, laser)
+    native.engine.measure_points(*known, u, v, choice, noise, directions, threads or 0, rows, status)
     radius, axial, clock, *uncertainties = rows
     return Measured(radius, axial, clock, *uncertainties, status)
 
 
-def _choice(
+def choice_of(
     rig: Rig, n: int, *, laser: int, prior_radius: ArrayLike | None, branch: ArrayLike | None
 ) -> tuple[bool, Array]:
     """Whether meetings are told by number, and the numbers; else the radii near which they are."""

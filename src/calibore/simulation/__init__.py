@@ -1,15 +1,17 @@
 """Simulated surveys with known truth: pipe walls, pictures of the laser line, whole scan folders.
 
 `PipeWall` and its parts (`Ovality`, `Harmonic`, `Dent`, `Rail`, `LateralOpening`, `OffsetJoint`, `Roughness`)
-`render_ring`    one picture; `lit_line` and `photograph` are its two halves, `true_ring` what it shows
-`simulate_scan`  a `Survey` of `Station`s written as a scan folder with truth.npz
+`render_ring`    one picture; `lit_line` and `photograph` are its two halves, `true_ring` or `true_rows` what it shows;
+                 `photograph_all` several lasers at once
+`simulate_scan`  a `Survey` of `Station`s written as a scan folder with truth.npz; `head_pose` of a side-facing head
 `demo_scan`      the demonstration pipe
-`random_wall`, `random_rig`, `random_pose`, `draw_rig`   for studies over many rigs
+`random_wall`, `random_rig` of `RIG_KINDS`, `random_pose`, `draw_rig`   for studies over many rigs
 
-Simple on purpose: laser planes, matt walls, light reflected once, Gaussian blur; no halo, no glare, no Bayer pattern.
+Simple on purpose: planes, cones and sheets of light, matt walls, light reflected once, Gaussian blur; no halo, no
+glare, no Bayer pattern.
 """
 
-from calibore.simulation._chance import draw_rig, random_pose, random_rig, random_wall
+from calibore.simulation._chance import draw_rig, random_pose, random_wall
 from calibore.simulation._demo import demo_rig, demo_scan, demo_survey, demo_wall
 from calibore.simulation._light import LineLight, LitLine, lit_line
 from calibore.simulation._parts import (
@@ -22,14 +24,16 @@ from calibore.simulation._parts import (
     Roughness,
     WallPart,
 )
-from calibore.simulation._picture import line_image, photograph, render_ring
+from calibore.simulation._picture import line_image, photograph, photograph_all, render_ring
+from calibore.simulation._random_rigs import RIG_KINDS, random_rig
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._speckle import speckle_field
-from calibore.simulation._survey import Station, Survey, simulate_scan
-from calibore.simulation._truth import TrueRing, true_quantities, true_ring
+from calibore.simulation._survey import Station, Survey, head_pose, simulate_scan
+from calibore.simulation._truth import TrueRing, TrueRows, true_quantities, true_ring, true_rows
 from calibore.simulation._wall import PipeWall
 
 __all__ = [
+    "RIG_KINDS",
     "Dent",
     "Harmonic",
     "LateralOpening",
@@ -44,15 +48,18 @@ __all__ = [
     "Station",
     "Survey",
     "TrueRing",
+    "TrueRows",
     "WallPart",
     "demo_rig",
     "demo_scan",
     "demo_survey",
     "demo_wall",
     "draw_rig",
+    "head_pose",
     "line_image",
     "lit_line",
     "photograph",
+    "photograph_all",
     "random_pose",
     "random_rig",
     "random_wall",
@@ -61,4 +68,5 @@ __all__ = [
     "speckle_field",
     "true_quantities",
     "true_ring",
+    "true_rows",
 ]

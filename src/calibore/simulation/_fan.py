@@ -15,7 +15,7 @@ from calibore.simulation._wall import PipeWall
 Array = NDArray[np.float64]
 
 SETTLED = 1e-13  # m
-STEPS = 48  # between the radii that hold all of the wall, to find the first of several walls in line
+STEPS = 96  # between the radii that hold all of the wall, to find the first of several walls in line
 FARTHEST = 30.0  # nominal radii; light that meets no wall up to here meets none
 SPARE = 1e-6  # of the nominal radius, so that rounding puts no wall outside those radii
 HALF_SHEET = np.radians(60.0)  # of the fan of a side-facing laser, wider than its camera sees
@@ -23,7 +23,7 @@ HALF_SHEET = np.radians(60.0)  # of the fan of a side-facing laser, wider than i
 
 @dataclass(frozen=True, eq=False)
 class Fan:
-    """Light from `source` (3,) [m] of the pipe frame, its rays `along` + cos(angle) `even` + sin(angle) `odd`, (3,) each.
+    """Light from `source` (3,) [m], its rays `along` + cos(angle) `even` + sin(angle) `odd`, (3,) each; pipe frame.
 
     A `closed` fan covers the whole turn, clockwise from the crown of the rig; another one +-`HALF_SHEET`.
     """
@@ -51,7 +51,7 @@ class Fan:
         return (0.0, 2 * np.pi) if self.closed else (-HALF_SHEET, HALF_SHEET)
 
     def first_wall(self, wall: PipeWall, angle: Array) -> Array:
-        """The wall points (n, 3) of the pipe frame that the rays at `angle` (n,) [rad] light; NaN where there is none."""
+        """The wall points (n, 3) of the pipe frame that the rays at `angle` (n,) [rad] light; NaN where none is."""
         rays = self.along + np.cos(angle)[:, None] * self.even + np.sin(angle)[:, None] * self.odd
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
         return self.source + _distance(wall, self.source, rays)[:, None] * rays
@@ -78,7 +78,9 @@ def _rays_of(surface: LaserSurface) -> tuple[Array, Array, Array, Array]:
         across = np.sin(surface.half_angle)
         even, odd = across * (cosine * outwards - sine * round_), across * (sine * outwards + cosine * round_)
         return surface.apex, np.cos(surface.half_angle) * surface.axis, even, odd
-    raise InputError(f"The light of a {type(surface).__name__} draws no line on the wall; simulate planes, cones, sheets.")
+    raise InputError(
+        f"The light of a {type(surface).__name__} draws no line on the wall; simulate planes, cones, sheets."
+    )
 
 
 def _distance(wall: PipeWall, source: Array, rays: Array) -> Array:

@@ -49,7 +49,7 @@ class LineLight:
 
 @dataclass(frozen=True, eq=False)
 class LitLine:
-    """n points of the wall, in order of the `angle` (n,) [rad] of the fan that lights them; `closed`: the last is beside
+    """Points of the wall, in order of the `angle` (n,) [rad] of the fan that lights them; `closed`: the last is next to
     the first. `points` (n, 3) [m] of the rig frame; `u`, `v` (n,) [px]; `spread` (n, 2) [px]: image of one standard
     deviation of the laser's thickness; `visible`: lit, seen and inside the image; `energy` (n,): light of each point as
     full scales x px^2; `signal` (n,): expected peak of the line as a fraction of full scale, 0 where not visible.
@@ -94,7 +94,7 @@ def _traced(
 ) -> LitLine:
     fan = Fan.of(rig, pose, laser=laser)
     angle = _evenly_imaged(rig, wall, fan)
-    turn = _steps(angle, 2 * np.pi if fan.closed else 0.0).sum(axis=0) / 2
+    turn = _steps(angle, 2 * np.pi).mean(axis=0) if fan.closed else np.gradient(angle)
     pipe_points = fan.first_wall(wall, angle)
     met = np.isfinite(pipe_points[:, 0])
     angle, turn, pipe_points = angle[met], turn[met], pipe_points[met]
@@ -163,7 +163,7 @@ def _area_per_point(u: Array, v: Array, spread: Array, psf_sigma: float) -> Arra
     off, the nearer neighbour tells the spacing.
     """
     steps = _steps(np.stack([u, v], axis=1), 0.0)
-    after, before = np.linalg.norm(steps, axis=2)[:, :, None]
+    after, before = np.nan_to_num(np.linalg.norm(steps, axis=2), nan=np.inf)[:, :, None]
     run = np.where(after > 2 * before, steps[1], np.where(before > 2 * after, steps[0], steps.mean(axis=0)))
     spacing = np.maximum(np.linalg.norm(run, axis=1), 1e-9)
     across = (spread[:, 0] * run[:, 1] - spread[:, 1] * run[:, 0]) / spacing

@@ -1,5 +1,7 @@
 """From the lit line to the picture: every point becomes a blurred image point, all of them add up."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,18 +52,35 @@ def photograph(
     laser: int = 0,
 ) -> NDArray[np.uint8 | np.uint16]:
     """One take (h, w, 3) of a lit line, see `render_ring`."""
-    light = line_image(lit, (rig.camera.height, rig.camera.width), psf_sigma=sensor.psf_sigma)
-    box = _lit_box(light)
-    light[box] *= speckle_field(
-        light[box].shape,
-        contrast=sensor.speckle_contrast,
-        grain=sensor.speckle_grain,
-        rng=rng,
-        shared=speckle_rng,
-        decorrelation=sensor.take_decorrelation,
-    )
-    colour = np.roll(line.colour, CHANNEL_INDEX.get(rig.lasers[laser].channel or "red", 0)).astype(np.float32)
-    return sensor.read_out(light[..., None] * colour, rng)
+    return photograph_all({laser: lit}, rig, line=line, sensor=sensor, rng=rng, speckle_rng=speckle_rng)
+
+
+def photograph_all(
+    lines: Mapping[int, LitLine],
+    rig: Rig,
+    *,
+    line: LineLight,
+    sensor: Sensor,
+    rng: np.random.Generator,
+    speckle_rng: np.random.Generator | None = None,
+) -> NDArray[np.uint8 | np.uint16]:
+    """One take (h, w, 3) with several lasers lit at once: their `lines` by number of the laser, none in the dark."""
+    shape = rig.camera.height, rig.camera.width
+    picture = np.zeros((*shape, 3), dtype=np.float32)
+    for laser, lit in lines.items():
+        light = line_image(lit, shape, psf_sigma=sensor.psf_sigma)
+        box = _lit_box(light)
+        light[box] *= speckle_field(
+            light[box].shape,
+            contrast=sensor.speckle_contrast,
+            grain=sensor.speckle_grain,
+            rng=rng,
+            shared=speckle_rng,
+            decorrelation=sensor.take_decorrelation,
+        )
+        colour = np.roll(line.colour, CHANNEL_INDEX.get(rig.lasers[laser].channel or "red", 0)).astype(np.float32)
+        picture += light[..., None] * colour
+    return sensor.read_out(picture, rng)
 
 
 def line_image(lit: LitLine, shape: tuple[int, int], *, psf_sigma: float) -> NDArray[np.float32]:

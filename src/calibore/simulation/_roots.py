@@ -13,10 +13,10 @@ HALVED_EVERY = 4  # rounds, so that a kink or a jump costs no more than four tim
 
 
 def bracketed_roots(function: Function, low: Array, high: Array, *, settled: float) -> Array:
-    """x (n,) between `low` and `high` (n,) where `function` goes from below 0 (at `low`) to above, within `settled`.
+    """Where (n,) between `low` and `high` (n,) `function` goes from below 0 (at `low`) to above, within `settled`.
 
-    `function(x, index)` gives the values of the functions `index` at `x`. Illinois' rule: the secant, and where the same
-    end stays twice, half its value; where the function jumps, the place of the jump.
+    `function(x, index)` gives the values of the functions `index` at `x`. Illinois' rule: the secant, and where the
+    same end stays twice, half its value; where the function jumps, the place of the jump.
     """
     x, every = low.copy(), np.arange(low.size)
     low, high, below, above = low.copy(), high.copy(), function(low, every), function(high, every)

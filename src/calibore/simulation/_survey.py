@@ -1,38 +1,36 @@
 """A whole scan with its truth: what is driven through which pipe, and the folder that comes of it."""
 
-import os
-import shutil
-import zipfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from calibore.errors import InputError, OutputError
+from calibore.errors import InputError
 from calibore.geometry import Pose
-from calibore.rigs import Rig
-from calibore.simulation._files import rig_toml, scan_toml, write_png
+from calibore.rigs import Rig, SideFacing, write_rig
+from calibore.simulation._files import scan_toml, write_png
 from calibore.simulation._light import LineLight, LitLine, lit_line
-from calibore.simulation._picture import photograph
+from calibore.simulation._picture import photograph_all
 from calibore.simulation._sensor import Sensor
-from calibore.simulation._truth import true_quantities, true_ring
+from calibore.simulation._staging import TRUTH, check_replaceable, staged
+from calibore.simulation._truth_file import Columns, ring_columns, row_columns, station_truth
 from calibore.simulation._wall import PipeWall
-from calibore.units import parse_quantity
 
-TRUTH = "truth.npz"
 Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
 class Station:
-    """Stop `number` of the carriage, photographed `takes` times; `line` where the light differs from the survey's."""
+    """Stop `number` of the carriage, photographed `takes` times; `line` where the light differs from the survey's;
+    `angular` number of the stop of a side-facing head.
+    """
 
     number: int
     takes: int = 1
     line: LineLight | None = None
+    angular: int | None = None
 
     def __post_init__(self) -> None:
         if self.number < 0 or self.takes < 1:
@@ -42,7 +40,8 @@ class Station:
 @dataclass(frozen=True, eq=False)
 class Survey:
     """`rig` (as it truly is) is driven along `wall` and stops at `origin` + number x `step` [m]; `pose` is
-    pipe_from_rig, to which the axial position is added. `stated`: the rig as its file describes it, None for exactly.
+    pipe_from_rig, to which the axial position is added. Each laser shines in the takes it names. `angular` = (origin,
+    step) [rad]: clocks of a side-facing head. `stated`: the rig as its file describes it, None for exactly.
     """
 
     name: str
@@ -56,27 +55,44 @@ class Survey:
     sensor: Sensor = field(default_factory=Sensor)
     stated: Rig | None = None
     prefix: str = "pipe"
+    angular: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        numbers = [station.number for station in self.stations]
-        if not numbers or len(set(numbers)) < len(numbers):
-            raise InputError(f"A survey needs stations with different numbers, got {numbers}.")
-        if len(self.rig.lasers) != 1:
-            raise InputError(f"A survey is simulated with one laser, got {len(self.rig.lasers)}.")
+        stops = [(station.number, station.angular) for station in self.stations]
+        if not stops or len(set(stops)) < len(stops):
+            raise InputError(f"A survey needs stations with different numbers, got {stops}.")
+        turning = isinstance(self.rig.mount, SideFacing)
+        if {angular is not None for _, angular in stops} | {self.angular is not None} != {turning}:
+            raise InputError(
+                "A side-facing head needs its clocks, and angular stops at every station; no other rig does."
+            )
+        numbers, angles = {number for number, _ in stops}, {angular for _, angular in stops}
+        if len(stops) != len(numbers) * len(angles):
+            raise InputError("A side-facing head stops at the same clocks at every station; list all of them.")
 
     @property
     def pattern(self) -> str:
-        return self.prefix + " {station:03d} {take}.png"
+        fields = "{station:03d} {take}" if self.angular is None else "{station:03d} {angular:03d} {take}"
+        return f"{self.prefix} {fields}.png"
 
-    def pose_at(self, station: int) -> Pose:
-        """pipe_from_rig at this station."""
+    def pose_at(self, station: int, angular: int | None = None) -> Pose:
+        """pipe_from_rig at this station; of the head, where it has turned to its stop `angular`."""
         axial = np.array([0.0, 0.0, self.origin + station * self.step])
-        return Pose(self.pose.rotation, self.pose.translation + axial)
+        pose = Pose(self.pose.rotation, self.pose.translation + axial)
+        if self.angular is None or angular is None:
+            return pose
+        return pose @ head_pose(self.angular[0] + angular * self.angular[1])
 
-    def line_at(self, station: Station) -> tuple[LineLight, LitLine]:
-        """The light at this station, and the line it draws."""
-        line, pose = station.line or self.line, self.pose_at(station.number)
-        return line, lit_line(self.rig, self.wall, pipe_from_rig=pose, line=line, psf_sigma=self.sensor.psf_sigma)
+    def line_at(self, station: Station, *, laser: int = 0) -> tuple[LineLight, LitLine]:
+        """The light at this station, and the line that `laser` draws with it."""
+        line, pose = station.line or self.line, self.pose_at(station.number, station.angular)
+        lit = lit_line(self.rig, self.wall, pipe_from_rig=pose, line=line, psf_sigma=self.sensor.psf_sigma, laser=laser)
+        return line, lit
+
+
+def head_pose(clock: float) -> Pose:
+    """rig_from_head of a side-facing head at `clock` [rad]: y radially outwards, z along travel."""
+    return Pose.from_roll_pitch_yaw(clock + np.pi)
 
 
 def simulate_scan(folder: Path | str, survey: Survey, *, seed: int, progress: Progress | None = None) -> Path:
@@ -86,93 +102,58 @@ def simulate_scan(folder: Path | str, survey: Survey, *, seed: int, progress: Pr
     complete; an earlier one is replaced only if it holds nothing but an earlier simulation. Raises OutputError.
     """
     folder = Path(folder).absolute()
-    _check_replaceable(folder)
-    total, done, rows = sum(station.takes for station in survey.stations), 0, []
-    with _staged(folder) as staging:
+    check_replaceable(folder)
+    total, done, truth = sum(station.takes for station in survey.stations), 0, []
+    with staged(folder) as staging:
         for station in survey.stations:
-            line, lit = survey.line_at(station)
-            rows.append(_truth_row(survey, station, line, lit))
+            light = station.line or survey.line
+            lines = [survey.line_at(station, laser=number)[1] for number in range(len(survey.rig.lasers))]
+            pose = survey.pose_at(station.number, station.angular)
+            truth.append(station_truth(survey.rig, survey.wall, lines, pipe_from_rig=pose, line=light))
             for take in range(station.takes):
-                image = photograph(
-                    lit,
-                    survey.rig,
-                    line=line,
-                    sensor=survey.sensor,
-                    rng=np.random.default_rng([seed, station.number, take, 1]),
-                    speckle_rng=np.random.default_rng([seed, station.number, 0, 0]),
-                )
-                write_png(staging / survey.pattern.format(station=station.number, take=take), image)
+                image = _photograph(survey, station, take, light, lines, seed)
+                write_png(staging / survey.pattern.format(**_names(station), take=take), image)
                 done += 1
                 if progress is not None:
                     progress(done, total)
-        _write_tables(staging, survey, rows)
+        _write_tables(staging, survey, truth)
     return folder
 
 
-def _write_tables(staging: Path, survey: Survey, rows: list[dict[str, Any]]) -> None:
-    (staging / "rig.toml").write_text(rig_toml(survey.stated or survey.rig), encoding="utf-8")
+def _photograph(survey: Survey, station: Station, take: int, light: LineLight, lines: list[LitLine], seed: int) -> Any:
+    lit = {number: line for number, line in enumerate(lines) if survey.rig.lasers[number].is_lit(take)}
+    stop = (station.number,) if station.angular is None else (station.number, station.angular)
+    return photograph_all(
+        lit,
+        survey.rig,
+        line=light,
+        sensor=survey.sensor,
+        rng=np.random.default_rng([seed, *stop, take, 1]),
+        speckle_rng=np.random.default_rng([seed, *stop, 0, 0]),
+    )
+
+
+def _names(station: Station) -> dict[str, int]:
+    return {"station": station.number} | ({} if station.angular is None else {"angular": station.angular})
+
+
+def _write_tables(staging: Path, survey: Survey, truth: list[Columns]) -> None:
+    write_rig(survey.stated or survey.rig, staging / "rig.toml")
     text = scan_toml(
         name=survey.name,
         nominal_radius=survey.wall.nominal_radius,
         pattern=survey.pattern,
-        origin=survey.origin,
-        step=survey.step,
+        axial=(survey.origin, survey.step),
+        angular=survey.angular,
     )
     (staging / "scan.toml").write_text(text, encoding="utf-8")
-    columns = {key: np.stack([row[key] for row in rows]) for key in rows[0]}
+    numbers = list(dict.fromkeys(station.number for station in survey.stations))
+    poses = [survey.pose_at(number) for number in numbers]
+    if survey.angular is None:
+        columns = ring_columns(truth, numbers, poses)
+    else:
+        angles = np.array(list(dict.fromkeys(station.angular for station in survey.stations)))
+        clock = survey.angular[0] + angles * survey.angular[1]
+        columns = row_columns(truth, numbers, poses, angular=angles, clock=clock)
     files = sorted(path.name for path in staging.iterdir())
     np.savez(staging / TRUTH, allow_pickle=False, files=np.array([*files, TRUTH]), **columns)
-
-
-def _truth_row(survey: Survey, station: Station, line: LineLight, lit: LitLine) -> dict[str, Any]:
-    """Truth of one station. `ring_rig_*` have the axes (laser, clock) and, as the other simulated scans, inches and
-    radians; `pose_t` inches; what begins with `true_` is SI.
-    """
-    inch, pose = parse_quantity("1 in", "length"), survey.pose_at(station.number)
-    ring = true_ring(lit, survey.rig, survey.wall, pipe_from_rig=pose, line=line)
-    quantities = true_quantities(lit, nominal_radius=survey.wall.nominal_radius)
-    return {
-        "stop": np.int64(station.number),
-        "ring_phi": ring.clock,
-        "ring_rig_R": ring.radius[None] / inch,
-        "ring_rig_H": ring.axial[None] / inch,
-        "ring_rig_visible": ring.visible[None],
-        "ring_rig_signal": ring.signal[None],
-        "pose_R": pose.rotation,
-        "pose_t": pose.translation / inch,
-        "true_axial": np.float64(pose.translation[2]),
-        **{f"true_{name}": np.float64(value) for name, value in quantities.items()},
-    }
-
-
-def _check_replaceable(folder: Path) -> None:
-    if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{folder} is a file, not a folder; choose another name for the scan.")
-    if not folder.exists() or not any(folder.iterdir()):
-        return
-    try:
-        with np.load(folder / TRUTH, allow_pickle=False) as truth:
-            known = set(truth["files"].tolist())
-        foreign = sorted({path.name for path in folder.iterdir()} - known)
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
-        foreign = ["files"]
-    if foreign:
-        raise OutputError(f"{folder} holds {foreign[0]} that no simulation wrote; choose an empty or new folder.")
-
-
-@contextmanager
-def _staged(folder: Path) -> Iterator[Path]:
-    """A hidden sibling folder that becomes `folder` when all went well, and vanishes otherwise."""
-    staging = folder.with_name(f".{folder.name}.partial-{os.getpid()}")
-    try:
-        staging.mkdir(parents=True)
-        yield staging
-        if folder.exists():
-            shutil.rmtree(folder)
-        staging.rename(folder)
-    except OSError as error:
-        raise OutputError(
-            f"{folder} cannot be written ({error.strerror or error}); choose a folder that you may write to."
-        ) from error
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from calibore import metrics
 from calibore.geometry import Pose, clock_of, fit_circle
 from calibore.rigs import Rig
-from calibore.simulation._light import LineLight, LitLine, in_view, inside_image
+from calibore.simulation._crossings import Crossings
+from calibore.simulation._light import LineLight, LitLine
 from calibore.simulation._parts import turned
-from calibore.simulation._section import LaserPlane, wall_frame
 from calibore.simulation._wall import PipeWall
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 
 CLOCKS = 400
-HALVINGS = 36  # of the clock between two neighbouring points of the line: far below rounding of the radius
 DIRECTIONS = 720
 FAINTEST = 0.05  # signal from which a point counts as measurable (data README)
 
@@ -24,11 +24,27 @@ FAINTEST = 0.05  # signal from which a point counts as measurable (data README)
 @dataclass(frozen=True, eq=False)
 class TrueRing:
     """The wall at n regular rig clocks [rad]: `radius` [m] about the rig axis of the first wall that the laser meets,
-    `axial` [m] of that point in the rig frame, whether the camera sees it lit, and the `signal` it returns.
+    `axial` [m] of that point in the rig frame, whether the camera sees it lit, and the `signal` it returns. NaN where
+    the light meets no wall at that clock, or leaps over it from an edge to the wall behind.
     """
 
     clock: Array
     radius: Array
+    axial: Array
+    visible: NDArray[np.bool_]
+    signal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class TrueRows:
+    """What the image rows of a side-facing head show: `u` (n,) [px] of the line in each `row`, and of its wall point
+    the `radius` [m], `clock` [rad] and `axial` [m] in the frame of the head; NaN where a row shows no line.
+    """
+
+    row: Array
+    u: Array
+    radius: Array
+    clock: Array
     axial: Array
     visible: NDArray[np.bool_]
     signal: Array
@@ -44,60 +60,67 @@ def true_ring(
     laser: int = 0,
     clocks: int = CLOCKS,
 ) -> TrueRing:
-    """The ring behind the line `lit`, solved exactly at `clocks` regular positions; NaN where there is no wall."""
-    plane, rig_from_pipe = LaserPlane.of(rig, pipe_from_rig, laser=laser), pipe_from_rig.inverse()
+    """The ring behind the line `lit`, solved exactly at `clocks` regular positions; of several points the nearest."""
     step = 2 * np.pi / clocks
-    point, target = _crossings(lit.clock, step)
-    following = np.append(lit.pipe_clock[1:], lit.pipe_clock[0] + 2 * np.pi)
-    low, high = lit.pipe_clock[point], following[point]
-    rising = turned(lit.clock[point], target * step) < 0
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        points = rig_from_pipe.apply(plane.section(wall, middle))
-        before = (turned(clock_of(points[:, 0], points[:, 1]), target * step) < 0) == rising
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    points = rig_from_pipe.apply(plane.section(wall, low))
-    nearest = _nearest(target % clocks, np.hypot(points[:, 0], points[:, 1]))
-    return _ring(lit, rig, wall, plane, pipe_from_rig, line, low[nearest], (target % clocks)[nearest], clocks)
+    at, target = _clocks_passed(lit.clock, clocks)
+    crossings = Crossings.of(lit, rig, wall, pipe_from_rig=pipe_from_rig, line=line, laser=laser)
+    found = crossings.solve(at, lambda points, i: turned(clock_of(points[:, 0], points[:, 1]), target[i] * step))
+    target, reach = target % clocks, np.hypot(found.points[:, 0], found.points[:, 1])
+    nearest = _first_of_each(target, reach)
+    radius, axial = np.full((2, clocks), np.nan)
+    visible, signal = np.zeros(clocks, dtype=bool), np.zeros(clocks)
+    index = target[nearest]
+    radius[index], axial[index] = reach[nearest], found.points[nearest, 2]
+    visible[index], signal[index] = found.visible[nearest], found.signal[nearest]
+    return TrueRing(np.arange(clocks, dtype=float) * step, radius, axial, visible, signal)
 
 
-def _crossings(clock: Array, step: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """(points, targets): between each of these points of a closed line and the next lies the clock target x step."""
-    unwrapped = np.unwrap(np.append(clock, clock[0]))
-    cell = np.ceil(unwrapped / step).astype(np.intp)
+def true_rows(
+    lit: LitLine, rig: Rig, wall: PipeWall, *, pipe_from_rig: Pose, line: LineLight, laser: int = 0
+) -> TrueRows:
+    """The same for every image row, of a side-facing head at the pose `pipe_from_rig`; the visible point counts where a
+    row shows several.
+    """
+    rows = rig.camera.height
+    at, target = _rows_passed(lit.v, rows)
+    crossings = Crossings.of(lit, rig, wall, pipe_from_rig=pipe_from_rig, line=line, laser=laser)
+    found = crossings.solve(at, lambda points, i: rig.project(points)[1] - target[i])
+    chosen = _first_of_each(target, np.where(found.visible, -found.signal, 1.0))
+    points, index = found.points[chosen], target[chosen]
+    u, radius, clock, axial = np.full((4, rows), np.nan)
+    u[index], axial[index] = rig.project(points)[0], points[:, 2]
+    radius[index], clock[index] = np.hypot(points[:, 0], points[:, 1]), clock_of(points[:, 0], points[:, 1])
+    visible, signal = np.zeros(rows, dtype=bool), np.zeros(rows)
+    visible[index], signal[index] = found.visible[chosen], found.signal[chosen]
+    return TrueRows(np.arange(rows, dtype=float), u, radius, clock, axial, visible, signal)
+
+
+def _clocks_passed(clock: Array, clocks: int) -> tuple[Index, Index]:
+    """(points, targets): between each of these points of a closed line and the next is target / `clocks` of a turn."""
+    unwrapped = np.unwrap(np.append(clock, clock[0])) / (2 * np.pi)
+    cell = np.ceil(unwrapped * clocks).astype(np.intp)
+    cell[-1] = cell[0] + clocks * round(unwrapped[-1] - unwrapped[0])
+    return _passed(cell)
+
+
+def _rows_passed(v: Array, rows: int) -> tuple[Index, Index]:
+    """The same for the image rows 0 ... `rows` - 1 along an open line; NaN `v` reaches none."""
+    at, target = _passed(np.ceil(np.clip(np.nan_to_num(v, nan=-1.0), -1.0, rows)).astype(np.intp))
+    seen = (target >= 0) & (target < rows) & np.isfinite(v[at] + v[at + 1])
+    return at[seen], target[seen]
+
+
+def _passed(cell: Index) -> tuple[Index, Index]:
     count = np.abs(np.diff(cell))
-    point = np.repeat(np.arange(clock.size), count)
+    point = np.repeat(np.arange(count.size), count)
     nth = np.arange(point.size) - np.repeat(np.cumsum(count) - count, count)
     return point, np.minimum(cell[point], cell[point + 1]) + nth
 
 
-def _nearest(target: NDArray[np.intp], radius: Array) -> NDArray[np.intp]:
-    """Index of the crossing with the least radius for every target that has one."""
-    order = np.lexsort((radius, target))
+def _first_of_each(target: Index, rank: Array) -> Index:
+    """Index of the crossing with the least `rank` for every target that has one; NaN ranks last."""
+    order = np.lexsort((rank, target))
     return order[np.searchsorted(target[order], np.unique(target[order]))]
-
-
-def _ring(
-    lit: LitLine,
-    rig: Rig,
-    wall: PipeWall,
-    plane: LaserPlane,
-    pose: Pose,
-    line: LineLight,
-    pipe_clock: Array,
-    target: NDArray[np.intp],
-    clocks: int,
-) -> TrueRing:
-    clock = np.arange(clocks, dtype=float) * (2 * np.pi / clocks)
-    pipe_points = plane.section(wall, pipe_clock)
-    points, (normal, _) = pose.inverse().apply(pipe_points), wall_frame(wall, pipe_points, pipe_clock)
-    candidates = inside_image(*rig.camera.project(points), rig) & line.lights(clock[target])
-    radius, axial, signal = np.full(clocks, np.nan), np.full(clocks, np.nan), np.zeros(clocks)
-    visible = np.zeros(clocks, dtype=bool)
-    radius[target], axial[target] = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
-    visible[target] = in_view(wall, plane, pose, pipe_points, normal, candidates)
-    signal[target] = np.interp(pipe_clock, lit.pipe_clock, lit.signal, period=2 * np.pi)
-    return TrueRing(clock, radius, axial, visible, np.where(visible, signal, 0.0))
 
 
 def true_quantities(lit: LitLine, *, nominal_radius: float) -> dict[str, float]:

@@ -1,0 +1,153 @@
+//! Camera rays meet surfaces of light, for millions of rays: the compiled form of `calibore.rigs.triangulate`, which is its specification.
+
+mod camera;
+mod cone;
+mod dispatch;
+mod drawing;
+mod draws;
+mod flat;
+mod functions;
+mod intervals;
+mod lanes;
+mod lens;
+mod measure;
+mod modes;
+mod points;
+mod random;
+mod rig;
+mod surface;
+
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use drawing::Plan;
+use draws::{Rigs, SUMMARY};
+use measure::{Choice, Pixels, Shared, COLUMNS};
+use modes::{Mode, MODE};
+use rig::Make;
+
+type Numbers<'py> = PyReadonlyArray1<'py, f64>;
+/// Kind of surface, whether the camera faces sideways, lens law, half image height, whether the lens has a residual.
+type Makes = (u8, bool, u8, f64, bool);
+
+fn make_of(make: Makes) -> PyResult<Make> {
+    let (kind, side_facing, law, half_height, residual) = make;
+    Make::new(kind, side_facing, law, half_height, residual).ok_or_else(|| PyValueError::new_err("no such surface or lens law"))
+}
+
+fn fits(length: usize, points: usize) -> PyResult<()> {
+    if length == 1 || length == points {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!("{length} numbers do not fit {points} points")))
+}
+
+type Directions<'py> = Option<(Numbers<'py>, Numbers<'py>)>;
+
+fn directions<'a>(direction: &'a Directions, points: usize) -> PyResult<Option<[&'a [f64]; 2]>> {
+    match direction {
+        Some((u, v)) if u.len() == points && v.len() == points => Ok(Some([u.as_slice()?, v.as_slice()?])),
+        Some(_) => Err(PyValueError::new_err(format!("{points} points need as many directions"))),
+        None => Ok(None),
+    }
+}
+
+/// See `calibore.rigs.measure`: fills rows of radius, axial, clock and uncertainties, and the status.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+fn measure_points<'py>(
+    py: Python<'py>,
+    make: Makes,
+    parameters: Numbers<'py>,
+    modes: PyReadonlyArray2<'py, f64>,
+    u: Numbers<'py>,
+    v: Numbers<'py>,
+    choice: (bool, Numbers<'py>),
+    noise: Numbers<'py>,
+    direction: Directions<'py>,
+    threads: usize,
+    mut columns: PyReadwriteArray2<'py, f64>,
+    mut status: PyReadwriteArray1<'py, u8>,
+) -> PyResult<()> {
+    let make = make_of(make)?;
+    let (numbered, choice) = (choice.0, choice.1);
+    let points = u.len();
+    for length in [v.len(), choice.len(), noise.len()] {
+        fits(length, points)?;
+    }
+    let directions = directions(&direction, points)?;
+    if parameters.len() != make.parameters() || modes.shape()[1] != MODE || v.len() != points {
+        return Err(PyValueError::new_err("numbers do not fit the rig"));
+    }
+    let modes: Vec<Mode> = modes.as_slice()?.as_chunks::<MODE>().0.iter().map(Mode::of).collect();
+    let numbers = make.numbers(parameters.as_slice()?);
+    let choice = Shared(choice.as_slice()?);
+    let pixels = Pixels {
+        u: u.as_slice()?,
+        v: v.as_slice()?,
+        choice: if numbered { Choice::Numbered(choice) } else { Choice::Nearest(choice) },
+        noise: Shared(noise.as_slice()?),
+        direction: directions,
+    };
+    let (columns, status) = (columns.as_slice_mut()?, status.as_slice_mut()?);
+    if columns.len() != COLUMNS * points || status.len() != points {
+        return Err(PyValueError::new_err(format!("there is no room for {points} points")));
+    }
+    py.detach(|| points::measure_all(&make, &numbers, &modes, &pixels, columns, status, threads));
+    Ok(())
+}
+
+/// See `calibore.rigs.monte_carlo`: fills a row of `SUMMARY` numbers for each pixel, from `rigs`, one row of parameters per draw.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+fn draw_points<'py>(
+    py: Python<'py>,
+    make: Makes,
+    parameters: Numbers<'py>,
+    rigs: PyReadonlyArray2<'py, f64>,
+    u: Numbers<'py>,
+    v: Numbers<'py>,
+    branch: Numbers<'py>,
+    noise: Numbers<'py>,
+    direction: Directions<'py>,
+    seed: u64,
+    probability: Option<f64>,
+    threads: usize,
+    mut summaries: PyReadwriteArray2<'py, f64>,
+    mut draws: PyReadwriteArray1<'py, f64>,
+) -> PyResult<()> {
+    let make = make_of(make)?;
+    let points = u.len();
+    for length in [branch.len(), noise.len()] {
+        fits(length, points)?;
+    }
+    if parameters.len() != make.parameters() || rigs.shape()[1] != make.parameters() || v.len() != points {
+        return Err(PyValueError::new_err("numbers do not fit the rig"));
+    }
+    let plan = Plan {
+        numbers: make.numbers(parameters.as_slice()?),
+        draws: rigs.shape()[0],
+        rigs: Rigs::new(&make, rigs.as_slice()?),
+        make,
+        seed,
+        probability,
+        u: u.as_slice()?,
+        v: v.as_slice()?,
+        branch: branch.as_slice()?,
+        noise: noise.as_slice()?,
+        direction: directions(&direction, points)?,
+    };
+    let summaries = summaries.as_slice_mut()?.as_chunks_mut::<SUMMARY>().0;
+    let draws = draws.as_slice_mut()?;
+    if summaries.len() != points || !(draws.is_empty() || draws.len() == 2 * points * plan.draws) {
+        return Err(PyValueError::new_err(format!("there is no room for {points} points")));
+    }
+    py.detach(|| drawing::draw_all(&plan, summaries, draws, threads));
+    Ok(())
+}
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(measure_points, module)?)?;
+    module.add_function(wrap_pyfunction!(draw_points, module)?)
+}

@@ -1,0 +1,184 @@
+"""Wall points by Monte Carlo (JCGM 101): pixel noise and rig drawn at random, near frontiers too."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from calibore.errors import InputError
+from calibore.rigs import _engine as native
+from calibore.rigs._measuring import choice_of
+from calibore.rigs._moving import moved
+from calibore.rigs._rig import Rig
+from calibore.rigs._triangulation import triangulate
+from calibore.uncertainty import Covariance, shortest_interval, symmetric_interval
+
+Array = NDArray[np.float64]
+SUMMARY = 16
+FEWEST = 2
+PROBABILITY = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnQuantity:
+    """One coordinate of n points [m]: `mean`, standard uncertainty `u`, `median` (n,); `symmetric` and `shortest`
+    coverage interval (n, 2).
+    """
+
+    mean: Array
+    u: Array
+    median: Array
+    symmetric: Array
+    shortest: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """n wall points by `draws` draws, of those draws in which the pixel meets the wall; NaN where too few do.
+
+    `covariance` (n,) [m^2] of radius and axial; `lost` (n,) fraction of draws without a meeting; `branch` (n,) of the
+    meetings. `radius_draws`, `axial_draws` (n, draws) [m], NaN where lost, empty unless kept: the same column is the
+    same rig, so they tell the covariance between points.
+    """
+
+    radius: DrawnQuantity
+    axial: DrawnQuantity
+    covariance: Array
+    lost: Array
+    branch: NDArray[np.intp]
+    draws: int
+    probability: float | None
+    radius_draws: Array
+    axial_draws: Array
+
+
+def monte_carlo(
+    rig: Rig,
+    u: ArrayLike,
+    v: ArrayLike,
+    *,
+    u_pixel: ArrayLike,
+    draws: int,
+    rng: np.random.Generator,
+    laser: int = 0,
+    prior_radius: ArrayLike | None = None,
+    branch: ArrayLike | None = None,
+    direction: ArrayLike | None = None,
+    probability: float | None = PROBABILITY,
+    keep: bool = False,
+    kernel: str = native.DEFAULT_KERNEL,
+    threads: int | None = None,
+) -> Drawn:
+    """Wall points of the pixels `u`, `v` (n,) when the rig is drawn from its covariance, the same rig for all pixels of
+    one draw, and the pixels from normal distributions.
+
+    `u_pixel`, `direction`, `prior_radius`, `branch`: see `measure`. Every draw keeps to the meeting, near or far, that
+    counts without noise. A draw is lost where there is no meeting ahead; a grazing one counts. `probability` None
+    leaves intervals and median out. The same `rng` gives the same bytes, whatever the `threads`.
+    """
+    u, v = (np.ascontiguousarray(np.atleast_1d(np.asarray(a, dtype=float))) for a in (u, v))
+    if draws < FEWEST:
+        raise InputError(f"Monte Carlo needs at least {FEWEST} draws, got {draws}; some 10 000 tell u within 1 %.")
+    noise, directions = native.each(u_pixel, u.size, what="u_pixel"), native.columns(direction, u.size)
+    branches = _branches(rig, u, v, laser=laser, prior_radius=prior_radius, branch=branch)
+    covariance = rig.covariance or Covariance.independent({})
+    seed, shifts = int(rng.integers(2**63)), covariance.draw(rng, draws)
+    if native.is_native(kernel, rig, laser):
+        rows, kept = np.empty((u.size, SUMMARY)), np.empty(2 * u.size * draws if keep else 0)
+        native.engine.draw_points(
+            native.make_of(rig, laser, varied=covariance.names),
+            native.values_of(rig, laser),
+            _rigs(rig, laser, covariance.names, shifts),
+            *(u, v, branches.astype(float), noise, directions, seed, probability, threads or 0, rows, kept),
+        )
+        drawn = kept.reshape(u.size, 2, draws if keep else 0).transpose(1, 0, 2)
+    else:
+        scatter = _noise(np.random.default_rng(seed), noise, directions, (draws, u.size))
+        drawn = _draw(rig, u, v, branches, laser, covariance.names, shifts, scatter)
+        rows = np.array([_summary(*pair, probability) for pair in drawn.transpose(1, 0, 2)]).reshape(u.size, SUMMARY)
+    kept = drawn if keep else np.empty((2, u.size, 0))
+    radius, axial = (_quantity(rows, i) for i in (0, 1))
+    return Drawn(radius, axial, rows[:, 4], 1 - rows[:, 5] / draws, branches, draws, probability, kept[0], kept[1])
+
+
+def _branches(
+    rig: Rig, u: Array, v: Array, *, laser: int, prior_radius: ArrayLike | None, branch: ArrayLike | None
+) -> NDArray[np.intp]:
+    numbered, choice = choice_of(rig, u.size, laser=laser, prior_radius=prior_radius, branch=branch)
+    if numbered:
+        return np.broadcast_to(choice.astype(np.intp), u.shape).copy()
+    return triangulate(rig, u, v, laser=laser, prior_radius=choice).branch
+
+
+def _rigs(rig: Rig, laser: int, names: tuple[str, ...], shifts: Array) -> Array:
+    """(draws, p) values of the engine's parameters in every draw."""
+    wanted = native.names_of(rig, laser)
+    rigs = np.tile(native.values_of(rig, laser), (len(shifts), 1))
+    for column, name in enumerate(names):
+        if name in wanted:
+            rigs[:, wanted.index(name)] += shifts[:, column]
+    return rigs
+
+
+def _noise(
+    rng: np.random.Generator, noise: Array, directions: tuple[Array, Array] | None, shape: tuple[int, int]
+) -> tuple[Array, Array]:
+    if directions is None:
+        return rng.standard_normal(shape) * noise, rng.standard_normal(shape) * noise
+    along = rng.standard_normal(shape) * noise
+    return along * directions[0], along * directions[1]
+
+
+def _draw(
+    rig: Rig,
+    u: Array,
+    v: Array,
+    branch: NDArray[np.intp],
+    laser: int,
+    names: tuple[str, ...],
+    shifts: Array,
+    scatter: tuple[Array, Array],
+) -> Array:
+    """(2, n, draws): radius and axial by `meet` of every drawn rig."""
+    drawn = np.full((2, u.size, len(shifts)), np.nan)
+    for number, (shift, du, dv) in enumerate(zip(shifts, *scatter, strict=True)):
+        try:
+            other = moved(rig, dict(zip(names, shift.tolist(), strict=True)))
+        except InputError:  # no such rig: lost
+            continue
+        points = points_on(other, u + du, v + dv, laser, branch)
+        drawn[0, :, number], drawn[1, :, number] = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    return drawn
+
+
+def points_on(rig: Rig, u: Array, v: Array, laser: int, branch: NDArray[np.intp]) -> Array:
+    """(n, 3) where the rays meet the laser on `branch`, grazing or not; NaN where they do not, or behind the camera."""
+    rays = rig.mount.place(rig.camera.unproject(u, v))
+    meetings = rig.lasers[laser].surface.meet(rays.origin, rays.direction)
+    distance = meetings.distance[branch, np.arange(u.size)]
+    ahead = (meetings.flags[branch, np.arange(u.size)] != 0) & np.isfinite(distance) & (distance > 0)
+    return rays.origin + np.where(ahead, distance, np.nan)[:, None] * rays.direction
+
+
+def _summary(radius: Array, axial: Array, probability: float | None) -> Array:
+    """The numbers of one pixel, as the engine gives them."""
+    here = np.isfinite(radius)
+    summary, both, count = np.full(SUMMARY, np.nan), np.stack([radius[here], axial[here]]), int(here.sum())
+    summary[5] = count
+    if count:
+        summary[:2] = both.mean(axis=1)
+    if count >= FEWEST:
+        (summary[2], summary[4]), (_, summary[3]) = np.cov(both)
+    if count and probability is not None:
+        inside = round(probability * count)
+        for i, values in enumerate(both):
+            shortest = shortest_interval(values, probability) if 0 < inside < count else (np.nan, np.nan)
+            summary[6 + 5 * i : 11 + 5 * i] = *symmetric_interval(values, probability), np.median(values), *shortest
+    return summary
+
+
+def _quantity(rows: Array, i: int) -> DrawnQuantity:
+    low, high, median, *shortest = rows[:, 6 + 5 * i : 11 + 5 * i].T
+    return DrawnQuantity(
+        rows[:, i], np.sqrt(rows[:, 2 + i]), median, np.stack([low, high], axis=1), np.stack(shortest, axis=1)
+    )
