@@ -1,6 +1,7 @@
 """`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
 
-`python -m benchmarks coverage`, `ovality` and `every_rig` run the long accuracy studies instead (minutes each).
+`python -m benchmarks coverage`, `ovality`, `every_rig` and `pictures` run the long accuracy studies instead (minutes
+each).
 """
 
 import os
@@ -32,6 +33,7 @@ def part(name: str) -> list[str]:
         "coverage": studies.coverage,
         "ovality": studies.ovality,
         "every_rig": every_rig.report,
+        "pictures": every_rig.pictures,
     }
     return tables[name]()
 

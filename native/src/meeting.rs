@@ -12,6 +12,7 @@ mod lanes;
 mod lens;
 mod measure;
 mod modes;
+mod mount;
 mod points;
 mod random;
 mod rig;
@@ -22,7 +23,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use drawing::Plan;
-use draws::{Rigs, SUMMARY};
+use draws::SUMMARY;
 use measure::{Choice, Pixels, Shared, COLUMNS};
 use modes::{Mode, MODE};
 use rig::Make;
@@ -81,7 +82,7 @@ fn measure_points<'py>(
         return Err(PyValueError::new_err("numbers do not fit the rig"));
     }
     let modes: Vec<Mode> = modes.as_slice()?.as_chunks::<MODE>().0.iter().map(Mode::of).collect();
-    let numbers = make.numbers(parameters.as_slice()?);
+    let parameters = parameters.as_slice()?;
     let choice = Shared(choice.as_slice()?);
     let pixels = Pixels {
         u: u.as_slice()?,
@@ -94,7 +95,7 @@ fn measure_points<'py>(
     if columns.len() != COLUMNS * points || status.len() != points {
         return Err(PyValueError::new_err(format!("there is no room for {points} points")));
     }
-    py.detach(|| points::measure_all(&make, &numbers, &modes, &pixels, columns, status, threads));
+    py.detach(|| points::measure_all(&make, parameters, &modes, &pixels, columns, status, threads));
     Ok(())
 }
 
@@ -115,7 +116,7 @@ fn draw_points<'py>(
     probability: Option<f64>,
     threads: usize,
     mut summaries: PyReadwriteArray2<'py, f64>,
-    mut draws: PyReadwriteArray1<'py, f64>,
+    mut kept: PyReadwriteArray1<'py, f64>,
 ) -> PyResult<()> {
     let make = make_of(make)?;
     let points = u.len();
@@ -126,9 +127,8 @@ fn draw_points<'py>(
         return Err(PyValueError::new_err("numbers do not fit the rig"));
     }
     let plan = Plan {
-        numbers: make.numbers(parameters.as_slice()?),
-        draws: rigs.shape()[0],
-        rigs: Rigs::new(&make, rigs.as_slice()?),
+        parameters: parameters.as_slice()?,
+        rigs: rigs.as_slice()?,
         make,
         seed,
         probability,
@@ -139,11 +139,11 @@ fn draw_points<'py>(
         direction: directions(&direction, points)?,
     };
     let summaries = summaries.as_slice_mut()?.as_chunks_mut::<SUMMARY>().0;
-    let draws = draws.as_slice_mut()?;
-    if summaries.len() != points || !(draws.is_empty() || draws.len() == 2 * points * plan.draws) {
+    let kept = kept.as_slice_mut()?;
+    if summaries.len() != points || !(kept.is_empty() || kept.len() == 2 * points * plan.draws()) {
         return Err(PyValueError::new_err(format!("there is no room for {points} points")));
     }
-    py.detach(|| drawing::draw_all(&plan, summaries, draws, threads));
+    py.detach(|| drawing::draw_all(&plan, summaries, kept, threads));
     Ok(())
 }
 

@@ -29,7 +29,7 @@ class Status(IntEnum):
 
 MEANING: dict[Status, str] = {
     Status.OK: "measured",
-    Status.RESOLVED: "several peaks on the ray, one chosen because it continues the ring",
+    Status.RESOLVED: "several peaks on the ray, or lasers that differ: one was chosen",
     Status.SATURATED: "measured on a saturated line",
     Status.NO_PEAK: "no line found",
     Status.MULTIPLE: "several peaks on the ray, none preferred",

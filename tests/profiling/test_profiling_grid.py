@@ -9,7 +9,8 @@ from calibore.lasers import Plane
 from calibore.optics import Camera, Lens
 from calibore.profiling import Job, measure_image
 from calibore.profiling._grid import grid_ring
-from calibore.profiling._take import measure_take, search_region
+from calibore.profiling._search import find_line, search_region
+from calibore.profiling._take import place_on_wall
 from calibore.rigs import Laser, Rig, project_ring
 from calibore.simulation import LineLight, PipeWall, Rail, Sensor, lit_line, photograph, random_pose, true_ring
 from calibore.status import Status
@@ -57,7 +58,7 @@ def test_an_edge_stays_an_edge():
 def test_a_stated_line_uncertainty_replaces_the_observed_one():
     here, image, _ = picture(PipeWall(RADIUS), pose_seed=1)
     search = search_region(here, RADIUS, inner=0.5, outer=1.5)
-    take = measure_take(image, here, search, channel="red", estimator="zero-crossing")
+    take = place_on_wall(find_line(image, here, search, channel="red", estimator="zero-crossing"), here)
     stated = grid_ring(take, here.covariance, stripe=1.0)
     per_pixel = np.abs(np.median(take.along))
     np.testing.assert_allclose(stated.u, per_pixel, rtol=0.2)
@@ -81,7 +82,7 @@ def test_the_mode_at_fixed_clock_is_what_happens_when_the_rig_file_changes():
     rings = []
     for principal_point in ((u, v), (u + moved, v)):
         other = replace(here, camera=replace(here.camera, principal_point=principal_point))
-        take = measure_take(image, other, search, channel="red", estimator="zero-crossing")
+        take = place_on_wall(find_line(image, other, search, channel="red", estimator="zero-crossing"), other)
         rings.append(grid_ring(take, covariance, stripe=None))
     change, mode = rings[1].radius - rings[0].radius, rings[0].modes[0]
     # rays change their clock step, so that the discretisation of the noise-free picture differs a little

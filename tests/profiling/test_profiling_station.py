@@ -13,9 +13,10 @@ from calibore.images import ImageFileError, Pixels, StationImages
 from calibore.lasers import Plane
 from calibore.optics import Camera, Lens
 from calibore.profiling import Job, measure_station
+from calibore.profiling._lasers import Look
 from calibore.profiling._placement import Placement
+from calibore.profiling._search import Search, search_region
 from calibore.profiling._station import StationRefusedError
-from calibore.profiling._take import Search, search_region
 from calibore.rigs import Laser, Rig
 from calibore.simulation import Ovality, PipeWall, Sensor, render_ring
 from calibore.status import Status
@@ -78,6 +79,7 @@ def test_a_station_of_which_no_image_can_be_used_is_refused_with_every_reason():
 def test_takes_in_which_the_laser_is_not_lit_are_no_part_of_the_station(ring):
     result = measure_station(station(BROKEN, ring), HERE, Job.of(rig(takes=(1,)), RADIUS))
     assert result.refused == ()
+    assert result.unlit == (0,)
     assert set(result.points.take) == {1}
     with pytest.raises(StationRefusedError, match=r"laser\.takes"):
         measure_station(station(ring, ring), HERE, Job.of(rig(takes=(5,)), RADIUS))
@@ -96,7 +98,9 @@ def test_an_image_of_another_size_is_told_both_sizes(ring):
 
 def test_a_ring_whose_every_ray_misses_the_laser_plane_is_refused_and_not_a_crash(ring):
     narrow = rig(k=60.0)  # the ring lies at 80 px: beyond what this lens can image
-    job = replace(Job.of(rig(), RADIUS), rig=narrow, search=Search((WIDTH / 2, HEIGHT / 2), 62.0, 115.0))
+    job = replace(
+        Job.of(rig(), RADIUS), rig=narrow, looks=(Look(0, Search((WIDTH / 2, HEIGHT / 2), 62.0, 115.0), "red"),)
+    )
     with pytest.raises(StationRefusedError, match="no point of its line lies on the laser plane"):
         measure_station(station(ring), HERE, job)
 

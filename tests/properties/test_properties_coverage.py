@@ -17,6 +17,7 @@ from calibore.simulation import (
 )
 
 RIGS = 60
+CONES = 16
 MEASURABLE = 0.05
 """Signal from which a point must be found (data README)."""
 GROSS = 0.025
@@ -69,6 +70,16 @@ def test_what_is_lit_is_found_and_what_is_dark_is_not(drawn):
     assert missed <= 0.005 * lit
     assert false <= 0.01 * lit
     assert gross <= 0.002 * lit
+
+
+@pytest.mark.parametrize("kind", ["single-cone", "dual-cone"])
+def test_intervals_of_cones_hold_the_truth_too(kind):
+    rings = [one_ring(seed, exact=True, features=False, kind=kind)[:2] for seed in range(CONES)]
+    z = [((ring.radius - truth.radius) / ring.u)[truth.signal > MEASURABLE] for ring, truth in rings]
+    measured = [one[np.isfinite(one)] for one in z]
+    # coverage scatters by 4 points from rig to rig
+    assert 0.92 <= np.mean(np.abs(np.concatenate(measured)) <= 1.96) <= 0.98
+    assert sum(one.size for one in measured) > 0.92 * sum(one.size for one in z)  # the rest grazes the light
 
 
 def test_a_round_pipe_reads_round():

@@ -1,10 +1,7 @@
-//! From a pixel to a ray, and how the ray turns: the twin of `calibore.optics._camera` and `calibore.rigs._mount`.
+//! From a pixel to a ray, and how the ray turns: the twin of `calibore.optics._camera`.
 
-use super::lanes::{along, dot, vector, Lanes, Mask, Vector};
+use super::lanes::{Lanes, Mask, Vector};
 use super::lens::{Lens, Optics};
-
-pub const CAMERA: usize = 7;
-pub const MOUNT: usize = 12;
 
 #[derive(Clone, Copy)]
 pub struct Camera {
@@ -30,17 +27,19 @@ pub struct Sight {
 }
 
 impl Camera {
-    /// From the numbers of `Rig::numbers`.
+    /// From k, c1, c2, aspect and principal point.
     #[inline(always)]
-    pub fn of(numbers: &[Lanes; CAMERA]) -> Self {
-        let [per_k, c1, c2, limit, per_aspect, u, v] = *numbers;
-        Camera { lens: Lens { per_k, c1, c2, limit }, per_aspect, centre: [u, v] }
+    pub fn of(optics: &Optics, parameters: &[Lanes]) -> Self {
+        let (k, aspect) = (parameters[0], parameters[3]);
+        let possible = k.more(Lanes::ZERO) & aspect.more(Lanes::ZERO);
+        let lens = Lens::of(optics, possible.choose(k, Lanes::NAN), parameters[1], parameters[2]);
+        Camera { lens, per_aspect: Lanes::ONE / aspect, centre: [parameters[4], parameters[5]] }
     }
 
     #[inline(always)]
     pub fn sight(&self, optics: &Optics, u: Lanes, v: Lanes) -> Sight {
         let (x, y) = (u - self.centre[0], (v - self.centre[1]) * self.per_aspect);
-        let radius = (x * x + y * y).sqrt();
+        let radius = x.fused(x, y * y).sqrt();
         let off_axis = radius.more(Lanes::ZERO);
         let inverse = Lanes::ONE / off_axis.choose(radius, Lanes::ONE);
         let (cos_azimuth, sin_azimuth) = (off_axis.choose(x * inverse, Lanes::ONE), y * inverse);
@@ -67,47 +66,5 @@ impl Sight {
     pub fn turns(&self) -> [Vector; 2] {
         let (c, s) = (self.cos_azimuth, self.sin_azimuth);
         [[self.cosine * c, self.cosine * s, -self.sine], [-s, c, Lanes::ZERO]]
-    }
-}
-
-/// Rows of the rotation, and the translation, from the camera frame into that of the rig.
-#[derive(Clone, Copy)]
-pub struct Mount {
-    pub rotation: [Vector; 3],
-    pub translation: Vector,
-}
-
-impl Mount {
-    #[inline(always)]
-    pub fn of(numbers: &[Lanes; MOUNT]) -> Self {
-        let [a, b, c, d, e, f, g, h, i, x, y, z] = *numbers;
-        Mount { rotation: [[a, b, c], [d, e, f], [g, h, i]], translation: [x, y, z] }
-    }
-
-    #[inline(always)]
-    pub fn turn(&self, arrow: Vector) -> Vector {
-        [dot(self.rotation[0], arrow), dot(self.rotation[1], arrow), dot(self.rotation[2], arrow)]
-    }
-}
-
-/// A ray in the frame of the rig.
-#[derive(Clone, Copy)]
-pub struct Ray {
-    pub origin: Vector,
-    pub direction: Vector,
-}
-
-impl Ray {
-    #[inline(always)]
-    pub fn of(sight: &Sight, mount: Option<&Mount>) -> Self {
-        match mount {
-            Some(mount) => Ray { origin: mount.translation, direction: mount.turn(sight.direction) },
-            None => Ray { origin: vector([0.0; 3]), direction: sight.direction },
-        }
-    }
-
-    #[inline(always)]
-    pub fn point(&self, distance: Lanes) -> Vector {
-        along(self.origin, distance, self.direction)
     }
 }

@@ -6,13 +6,13 @@ pub trait Work {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
+#[target_feature(enable = "fma,avx512f,avx512dq,avx512bw,avx512vl")]
 fn with_avx512<W: Work>(work: W) {
     work.run();
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "fma,avx2")]
 fn with_avx2<W: Work>(work: W) {
     work.run();
 }
@@ -21,11 +21,11 @@ pub fn widest<W: Work>(work: W) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::is_x86_feature_detected as has;
-        if has!("avx512f") && has!("avx512dq") && has!("avx512bw") && has!("avx512vl") {
+        if has!("fma") && has!("avx512f") && has!("avx512dq") && has!("avx512bw") && has!("avx512vl") {
             // SAFETY: the processor has what the function needs
             return unsafe { with_avx512(work) };
         }
-        if has!("avx2") {
+        if has!("avx2") && has!("fma") {
             // SAFETY: as above
             return unsafe { with_avx2(work) };
         }

@@ -1,8 +1,9 @@
 //! Planes, sheets and beams: normal . x = level, one meeting per ray. The twin of `calibore.lasers._flat` and `_beam`.
 
-use super::camera::Ray;
-use super::lanes::{dot, vector, Lanes, Vector};
-use super::surface::{Contact, Meeting, Surface, GRAZING_SINE, SURFACE};
+use super::functions::sin_cos;
+use super::lanes::{along, dot, vector, Lanes, Vector};
+use super::mount::Ray;
+use super::surface::{Contact, Kind, Meeting, Surface, GRAZING_SINE, SURFACE};
 
 /// Lit where `light` . x >= `start`.
 #[derive(Clone, Copy)]
@@ -17,9 +18,13 @@ impl Surface for Flat {
     const TWICE: bool = false;
 
     #[inline(always)]
-    fn of(numbers: &[Lanes; SURFACE]) -> Self {
-        let [a, b, c, level, x, y, z, start] = *numbers;
-        Flat { normal: [a, b, c], level, light: [x, y, z], start }
+    fn of(kind: Kind, parameters: &[Lanes]) -> Self {
+        if kind == Kind::Beam {
+            return beam(parameters);
+        }
+        let (one, first, second) = (Lanes::ONE, -parameters[1], -parameters[2]);
+        let normal = if kind == Kind::Sheet { [one, first, second] } else { [first, second, one] };
+        Flat { normal, level: parameters[0], light: [Lanes::ZERO; 3], start: Lanes::ZERO }
     }
 
     #[inline(always)]
@@ -51,4 +56,16 @@ impl Surface for Flat {
     fn moved(&self, contact: &Contact, motion: &[f64; SURFACE]) -> Lanes {
         dot(contact.arm, vector([motion[0], motion[1], motion[2]])) - Lanes::all(motion[3])
     }
+}
+
+/// The plane through a beam at right angles to the plane of beam and pupil; see `calibore.lasers.Beam`.
+#[inline(always)]
+fn beam(parameters: &[Lanes]) -> Flat {
+    let source = [parameters[0], parameters[1], parameters[2]];
+    let ((across, ahead), (sine, cosine)) = (sin_cos(parameters[3]), sin_cos(parameters[4]));
+    let light = [across * sine, -(across * cosine), ahead];
+    let start = dot(source, light);
+    let foot = along(source, -start, light);
+    let level = dot(foot, foot).sqrt();
+    Flat { normal: [foot[0] / level, foot[1] / level, foot[2] / level], level, light, start }
 }

@@ -52,7 +52,7 @@ const BIASED_ONE: u64 = 1023;
 fn series<const N: usize>(x: Lanes, coefficients: [f64; N]) -> Lanes {
     let mut sum = Lanes::all(coefficients[0]);
     for &c in &coefficients[1..] {
-        sum = sum * x + Lanes::all(c);
+        sum = sum.fused(x, Lanes::all(c));
     }
     sum
 }
@@ -60,13 +60,13 @@ fn series<const N: usize>(x: Lanes, coefficients: [f64; N]) -> Lanes {
 /// Sine and cosine of angles of a few turns at most.
 #[inline(always)]
 pub fn sin_cos(angle: Lanes) -> (Lanes, Lanes) {
-    let shifted = angle * Lanes::all(FRAC_2_PI) + Lanes::all(WHOLE);
+    let shifted = angle.fused(Lanes::all(FRAC_2_PI), Lanes::all(WHOLE));
     let quarters = shifted - Lanes::all(WHOLE);
     let odd = each!(Mask, 0, |k| (shifted.0[k].to_bits() & 1).wrapping_neg());
-    let x = (angle - quarters * Lanes::all(QUARTER)) - quarters * Lanes::all(QUARTER_REST);
+    let x = quarters.fused(Lanes::all(-QUARTER_REST), quarters.fused(Lanes::all(-QUARTER), angle));
     let z = x * x;
-    let sine = x + x * z * series(z, SINE);
-    let cosine = Lanes::ONE - Lanes::all(0.5) * z + z * z * series(z, COSINE);
+    let sine = (x * z).fused(series(z, SINE), x);
+    let cosine = (z * z).fused(series(z, COSINE), z.fused(Lanes::all(-0.5), Lanes::ONE));
     let (s, c) = (odd.choose(cosine, sine), odd.choose(sine, cosine));
     let sign_of_sine = |k: usize| (shifted.0[k].to_bits() & 2) << 62;
     let sign_of_cosine = |k: usize| ((shifted.0[k].to_bits() + 1) & 2) << 62;
@@ -106,5 +106,5 @@ pub fn logarithm(x: Lanes) -> Lanes {
     let power = high.choose(power + Lanes::ONE, power);
     let s = (m - Lanes::ONE) / (m + Lanes::ONE);
     let z = s * s;
-    power * Lanes::all(LN_2) + (Lanes::all(2.0) * s + s * z * series(z, LOGARITHM))
+    power.fused(Lanes::all(LN_2), s * z.fused(series(z, LOGARITHM), Lanes::all(2.0)))
 }

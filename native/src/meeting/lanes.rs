@@ -1,5 +1,5 @@
-//! Eight numbers computed together, one in each lane: what the compiler turns into vector instructions of any width. Nothing is fused or
-//! reordered, so that every machine computes the same bytes.
+//! Eight numbers computed together, one in each lane: what the compiler turns into vector instructions of any width. Products and sums
+//! are fused where it says so, and on every machine, so that all compute the same bytes.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -65,6 +65,12 @@ impl Lanes {
         each!(Lanes, 0.0, |k| self.0[k].sqrt())
     }
 
+    /// `self` x `by` + `plus`, rounded once.
+    #[inline(always)]
+    pub fn fused(self, by: Lanes, plus: Lanes) -> Self {
+        each!(Lanes, 0.0, |k| self.0[k].mul_add(by.0[k], plus.0[k]))
+    }
+
     #[inline(always)]
     pub fn abs(self) -> Self {
         each!(Lanes, 0.0, |k| self.0[k].abs())
@@ -100,10 +106,27 @@ impl Lanes {
         each!(Mask, 0, |k| bits(self.0[k].is_nan()))
     }
 
+    /// As a product: a test of the bits would go lane by lane.
+    #[inline(always)]
+    pub fn is_finite(self) -> Mask {
+        (self * Lanes::ZERO).at_least(Lanes::ZERO)
+    }
+
     /// NaN stays where `self` is NaN.
     #[inline(always)]
     pub fn least(self, other: Lanes) -> Self {
         other.less(self).choose(other, self)
+    }
+
+    /// Whole numbers from 0 to 255, which stand in the last bits after the addition.
+    #[inline(always)]
+    pub fn to_bytes(self) -> [u8; LANES] {
+        let shifted = self + Lanes::all(4_503_599_627_370_496.0);
+        let mut bytes = [0; LANES];
+        for (byte, value) in bytes.iter_mut().zip(shifted.0) {
+            *byte = value.to_bits() as u8;
+        }
+        bytes
     }
 
     #[inline(always)]
@@ -157,12 +180,12 @@ impl Not for Mask {
 
 #[inline(always)]
 pub fn dot(a: Vector, b: Vector) -> Lanes {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[2].fused(b[2], a[1].fused(b[1], a[0] * b[0]))
 }
 
 #[inline(always)]
 pub fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [a[1].fused(b[2], -(a[2] * b[1])), a[2].fused(b[0], -(a[0] * b[2])), a[0].fused(b[1], -(a[1] * b[0]))]
 }
 
 #[inline(always)]
@@ -173,7 +196,7 @@ pub fn minus(a: Vector, b: Vector) -> Vector {
 /// `start` + `length` x `direction`.
 #[inline(always)]
 pub fn along(start: Vector, length: Lanes, direction: Vector) -> Vector {
-    [start[0] + length * direction[0], start[1] + length * direction[1], start[2] + length * direction[2]]
+    [length.fused(direction[0], start[0]), length.fused(direction[1], start[1]), length.fused(direction[2], start[2])]
 }
 
 /// The same numbers in all lanes.

@@ -84,6 +84,12 @@ pub struct Zenith {
 
 impl Lens {
     #[inline(always)]
+    pub fn of(optics: &Optics, k: Lanes, c1: Lanes, c2: Lanes) -> Self {
+        let limit = if optics.residual { limit_of_residual(c1, c2) } else { Lanes::ZERO };
+        Lens { per_k: Lanes::ONE / k, c1, c2, limit }
+    }
+
+    #[inline(always)]
     pub fn zenith(&self, optics: &Optics, radius: Lanes) -> Zenith {
         let law_radius = if optics.residual { self.without_residual(optics.half_height, radius) } else { radius };
         let ratio = law_radius * self.per_k;
@@ -156,13 +162,17 @@ const LEAST_SLOPE: f64 = 0.05;
 const NEGLIGIBLE: f64 = 1e-12;
 
 /// The largest q up to which the slope of the residual stays above `LEAST_SLOPE`; see `OddPolynomial.limit`.
-pub fn limit_of_residual(c1: f64, c2: f64) -> f64 {
-    let kept = |slope: f64, power: i32| if slope.abs() * FARTHEST.powi(power) < NEGLIGIBLE { 0.0 } else { slope };
-    let (linear, square) = (kept(3.0 * c1, 2), kept(5.0 * c2, 4));
-    let constant = 1.0 - LEAST_SLOPE;
+#[inline(always)]
+fn limit_of_residual(c1: Lanes, c2: Lanes) -> Lanes {
+    let kept = |slope: Lanes, scale: f64| (slope.abs() * Lanes::all(scale)).at_least(Lanes::all(NEGLIGIBLE)).choose(slope, Lanes::ZERO);
+    let linear = kept(Lanes::all(3.0) * c1, FARTHEST.powi(2));
+    let square = kept(Lanes::all(5.0) * c2, FARTHEST.powi(4));
+    let constant = Lanes::all(1.0 - LEAST_SLOPE);
     // of q^2; the product of both roots is constant / square, so that neither loses digits
-    let discriminant = linear * linear - 4.0 * square * constant;
-    let larger = -0.5 * (linear + discriminant.sqrt().copysign(linear));
-    let roots = [constant / larger, larger / square];
-    roots.into_iter().filter(|&root| root > 0.0 && root.is_finite()).fold(FARTHEST * FARTHEST, f64::min).sqrt()
+    let root = (linear * linear - Lanes::all(4.0) * square * constant).sqrt();
+    let twice = linear.less(Lanes::ZERO).choose(root - linear, -(linear + root));
+    let (first, second) = (Lanes::all(2.0) * constant / twice, twice / (Lanes::all(2.0) * square));
+    let farthest = Lanes::all(FARTHEST * FARTHEST);
+    let turning = |root: Lanes| (root.more(Lanes::ZERO) & root.less(farthest)).choose(root, farthest);
+    turning(first).least(turning(second)).sqrt()
 }

@@ -4,10 +4,11 @@ use super::cone::Cone;
 use super::dispatch::{threads, widest, Work};
 use super::flat::Flat;
 use super::lanes::LANES;
-use super::measure::{measure, Pixels, Rig, COLUMNS};
+use super::measure::{measure, Pixels, COLUMNS};
 use super::modes::Mode;
-use super::rig::{Kind, Make, Numbers};
-use super::surface::Surface;
+use super::mount::{Forward, Mount, SideFacing};
+use super::rig::{Make, Rig};
+use super::surface::{Kind, Surface};
 
 /// Points that are worth a thread.
 const TASK: usize = 4096;
@@ -44,15 +45,15 @@ impl<'a> Share<'a> {
     }
 }
 
-struct Measuring<'a, S> {
+struct Measuring<'a, S, M> {
     make: &'a Make,
-    rig: &'a Rig<S>,
+    rig: &'a Rig<S, M>,
     modes: &'a [Mode],
     pixels: &'a Pixels<'a>,
     share: Share<'a>,
 }
 
-impl<S: Surface> Work for Measuring<'_, S> {
+impl<S: Surface, M: Mount> Work for Measuring<'_, S, M> {
     #[inline(always)]
     fn run(self) {
         let Share { from, mut columns, status } = self.share;
@@ -67,15 +68,25 @@ impl<S: Surface> Work for Measuring<'_, S> {
     }
 }
 
-pub fn measure_all(make: &Make, numbers: &Numbers, modes: &[Mode], pixels: &Pixels, columns: &mut [f64], status: &mut [u8], wanted: usize) {
+pub fn measure_all(
+    make: &Make,
+    parameters: &[f64],
+    modes: &[Mode],
+    pixels: &Pixels,
+    columns: &mut [f64],
+    status: &mut [u8],
+    wanted: usize,
+) {
     let share = Share::all(columns, status);
-    match make.kind {
-        Kind::Cone => on_threads(make, &Rig::<Cone>::same(make, numbers), modes, pixels, share, wanted),
-        Kind::Plane | Kind::Sheet | Kind::Beam => on_threads(make, &Rig::<Flat>::same(make, numbers), modes, pixels, share, wanted),
+    match (make.kind, make.side_facing) {
+        (Kind::Cone, false) => on_threads(make, &make.same::<Cone, Forward>(parameters), modes, pixels, share, wanted),
+        (Kind::Cone, true) => on_threads(make, &make.same::<Cone, SideFacing>(parameters), modes, pixels, share, wanted),
+        (_, false) => on_threads(make, &make.same::<Flat, Forward>(parameters), modes, pixels, share, wanted),
+        (_, true) => on_threads(make, &make.same::<Flat, SideFacing>(parameters), modes, pixels, share, wanted),
     }
 }
 
-fn on_threads<S: Surface>(make: &Make, rig: &Rig<S>, modes: &[Mode], pixels: &Pixels, share: Share, wanted: usize) {
+fn on_threads<S: Surface, M: Mount>(make: &Make, rig: &Rig<S, M>, modes: &[Mode], pixels: &Pixels, share: Share, wanted: usize) {
     let points = share.status.len();
     let count = threads(wanted, points / TASK);
     let each = points.div_ceil(count).next_multiple_of(LANES);

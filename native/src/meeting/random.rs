@@ -7,16 +7,27 @@ use super::lanes::{each, Lanes, LANES};
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 const EXPONENT_OF_ONE: u64 = 0x3FF0_0000_0000_0000;
 
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Words([u64; LANES]);
+
+macro_rules! words {
+    (|$k:ident| $value:expr) => {
+        each!(Words, 0, |$k| $value)
+    };
+}
+
+#[derive(Clone, Copy)]
 pub struct Stream {
-    state: [[u64; LANES]; 4],
+    state: [Words; 4],
 }
 
 impl Stream {
     /// The stream of this `number`, by splitmix64 as the generator's authors advise.
     pub fn new(seed: u64, number: u64) -> Self {
         let mut counter = scrambled(seed.wrapping_add(scrambled(number.wrapping_add(GOLDEN))));
-        let mut state = [[0; LANES]; 4];
-        for word in state.iter_mut().flatten() {
+        let mut state = [Words([0; LANES]); 4];
+        for word in state.iter_mut().flat_map(|words| &mut words.0) {
             counter = counter.wrapping_add(GOLDEN);
             *word = scrambled(counter);
         }
@@ -24,19 +35,17 @@ impl Stream {
     }
 
     #[inline(always)]
-    fn next(&mut self) -> [u64; LANES] {
-        let mut drawn = [0; LANES];
-        let [a, b, c, d] = &mut self.state;
-        for k in 0..LANES {
-            drawn[k] = a[k].wrapping_add(d[k]).rotate_left(23).wrapping_add(a[k]);
-            let shifted = b[k] << 17;
-            c[k] ^= a[k];
-            d[k] ^= b[k];
-            b[k] ^= c[k];
-            a[k] ^= d[k];
-            c[k] ^= shifted;
-            d[k] = d[k].rotate_left(45);
-        }
+    fn next(&mut self) -> Words {
+        let [a, b, c, d] = self.state;
+        let sum = words!(|k| a.0[k].wrapping_add(d.0[k]));
+        let drawn = words!(|k| sum.0[k].rotate_left(23).wrapping_add(a.0[k]));
+        let (c, d) = (words!(|k| c.0[k] ^ a.0[k]), words!(|k| d.0[k] ^ b.0[k]));
+        self.state = [
+            words!(|k| a.0[k] ^ d.0[k]),
+            words!(|k| b.0[k] ^ c.0[k]),
+            words!(|k| c.0[k] ^ (b.0[k] << 17)),
+            words!(|k| d.0[k].rotate_left(45)),
+        ];
         drawn
     }
 
@@ -44,7 +53,7 @@ impl Stream {
     #[inline(always)]
     fn uniform(&mut self) -> Lanes {
         let drawn = self.next();
-        each!(Lanes, 0.0, |k| f64::from_bits((drawn[k] >> 12) | EXPONENT_OF_ONE))
+        each!(Lanes, 0.0, |k| f64::from_bits((drawn.0[k] >> 12) | EXPONENT_OF_ONE))
     }
 
     /// Two independent standard normal numbers in every lane.

@@ -1,30 +1,12 @@
-//! A rig's parameters, in the order of `calibore.rigs.Rig.parameter_names`, turned into the numbers the kernels meet rays with.
+//! A rig from its parameters, in the order of `calibore.rigs.Rig.parameter_names`: the same in all lanes, or another one in each.
 
-use super::camera::{CAMERA, MOUNT};
-use super::lens::{limit_of_residual, Law, Optics};
-use super::surface::SURFACE;
+use super::camera::Camera;
+use super::lanes::{each, Lanes, LANES};
+use super::lens::{Law, Optics};
+use super::mount::{Mount, SideFacing};
+use super::surface::{Kind, Surface};
 
-#[derive(Clone, Copy, PartialEq)]
-pub enum Kind {
-    Plane,
-    Cone,
-    Sheet,
-    Beam,
-}
-
-impl Kind {
-    pub fn numbered(number: u8) -> Option<Self> {
-        [Kind::Plane, Kind::Cone, Kind::Sheet, Kind::Beam].get(usize::from(number)).copied()
-    }
-
-    fn parameters(self) -> usize {
-        match self {
-            Kind::Plane | Kind::Sheet => 3,
-            Kind::Cone | Kind::Beam => 5,
-        }
-    }
-}
-
+/// What a rig is made of; that does not move.
 #[derive(Clone, Copy)]
 pub struct Make {
     pub kind: Kind,
@@ -32,11 +14,15 @@ pub struct Make {
     pub optics: Optics,
 }
 
+/// The most parameters that a rig has.
+const MOST: usize = 5 + SideFacing::PARAMETERS + CAMERA;
+const CAMERA: usize = 6;
+
 #[derive(Clone, Copy)]
-pub struct Numbers {
-    pub surface: [f64; SURFACE],
-    pub mount: [f64; MOUNT],
-    pub camera: [f64; CAMERA],
+pub struct Rig<S, M> {
+    pub surface: S,
+    pub mount: M,
+    pub camera: Camera,
 }
 
 impl Make {
@@ -46,52 +32,24 @@ impl Make {
     }
 
     pub fn parameters(&self) -> usize {
-        self.kind.parameters() + if self.side_facing { 2 } else { 0 } + 6
+        self.kind.parameters() + if self.side_facing { SideFacing::PARAMETERS } else { 0 } + CAMERA
     }
 
-    /// `parameters` of the surface, of the mount, and k, c1, c2, aspect and principal point of the camera.
-    pub fn numbers(&self, parameters: &[f64]) -> Numbers {
-        let (surface, rest) = parameters.split_at(self.kind.parameters());
-        let (mount, camera) = rest.split_at(if self.side_facing { 2 } else { 0 });
-        let surface = match self.kind {
-            Kind::Plane => [-surface[1], -surface[2], 1.0, surface[0], 0.0, 0.0, 0.0, 0.0],
-            Kind::Sheet => [1.0, -surface[1], -surface[2], surface[0], 0.0, 0.0, 0.0, 0.0],
-            Kind::Cone => cone(surface),
-            Kind::Beam => beam(surface),
-        };
-        let [k, c1, c2, aspect, u, v] = std::array::from_fn(|i| camera[i]);
-        let per_k = if k > 0.0 && aspect > 0.0 { 1.0 / k } else { f64::NAN };
-        let mount = if self.side_facing { side_facing(mount) } else { forward() };
-        Numbers { surface, mount, camera: [per_k, c1, c2, limit_of_residual(c1, c2), 1.0 / aspect, u, v] }
+    /// One rig for each of at most `LANES` `rows` of parameters; NaN in the other lanes, where rays meet nothing.
+    #[inline(always)]
+    pub fn rig<S: Surface, M: Mount>(&self, rows: &[f64]) -> Rig<S, M> {
+        let count = self.parameters();
+        let mut lanes = [Lanes::ZERO; MOST];
+        for (i, lane) in lanes.iter_mut().take(count).enumerate() {
+            *lane = each!(Lanes, 0.0, |k| rows.get(k * count + i).copied().unwrap_or(f64::NAN));
+        }
+        let (surface, rest) = lanes[..count].split_at(self.kind.parameters());
+        let (mount, camera) = rest.split_at(M::PARAMETERS);
+        Rig { surface: S::of(self.kind, surface), mount: M::of(mount), camera: Camera::of(&self.optics, camera) }
     }
-}
 
-/// Apex, axis, cosine and sine of the half angle.
-fn cone(parameters: &[f64]) -> [f64; SURFACE] {
-    let (sin_aim, cos_aim) = parameters[1].sin_cos();
-    let (sin_half, cos_half) = parameters[2].sin_cos();
-    let (sin_clock, cos_clock) = parameters[3].sin_cos();
-    let (baseline, offset) = (parameters[0], parameters[4]);
-    [baseline * sin_clock, -baseline * cos_clock, offset, -sin_aim * sin_clock, sin_aim * cos_clock, cos_aim, cos_half, sin_half]
-}
-
-/// Normal, level, direction of the light and where along it the light starts.
-fn beam(parameters: &[f64]) -> [f64; SURFACE] {
-    let source = [parameters[0], parameters[1], parameters[2]];
-    let (across, ahead) = parameters[3].sin_cos();
-    let (sine, cosine) = parameters[4].sin_cos();
-    let light = [across * sine, -across * cosine, ahead];
-    let start: f64 = (0..3).map(|i| source[i] * light[i]).sum();
-    let foot: [f64; 3] = std::array::from_fn(|i| source[i] - light[i] * start);
-    let level = foot.iter().map(|x| x * x).sum::<f64>().sqrt();
-    [foot[0] / level, foot[1] / level, foot[2] / level, level, light[0], light[1], light[2], start]
-}
-
-fn side_facing(parameters: &[f64]) -> [f64; MOUNT] {
-    let (s, c) = parameters[1].sin_cos();
-    [c, 0.0, -s, s, 0.0, c, 0.0, -1.0, 0.0, parameters[0], 0.0, 0.0]
-}
-
-fn forward() -> [f64; MOUNT] {
-    [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    /// The same rig in all lanes.
+    pub fn same<S: Surface, M: Mount>(&self, parameters: &[f64]) -> Rig<S, M> {
+        self.rig(&parameters.repeat(LANES))
+    }
 }

@@ -1,12 +1,33 @@
 //! What a surface of light is to a kernel: where rays meet it, and how it moves.
 
-use super::camera::Ray;
 use super::lanes::{Lanes, Mask, Vector};
+use super::mount::Ray;
 
-/// Numbers that describe a surface, and that say how it moves.
-pub const SURFACE: usize = 8;
+/// Numbers that say how a surface moves: normal and level of flat ones; apex, axis and half angle of cones.
+pub const SURFACE: usize = 7;
 /// Sine of the angle between ray and surface; see `calibore.lasers.GRAZING_SINE`.
 pub const GRAZING_SINE: f64 = 0.01;
+
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kind {
+    Plane,
+    Cone,
+    Sheet,
+    Beam,
+}
+
+impl Kind {
+    pub fn numbered(number: u8) -> Option<Self> {
+        [Kind::Plane, Kind::Cone, Kind::Sheet, Kind::Beam].get(usize::from(number)).copied()
+    }
+
+    pub fn parameters(self) -> usize {
+        match self {
+            Kind::Plane | Kind::Sheet => 3,
+            Kind::Cone | Kind::Beam => 5,
+        }
+    }
+}
 
 /// Where rays meet the surface: `distance` along them; `exists` where there is light.
 #[derive(Clone, Copy)]
@@ -48,8 +69,8 @@ pub trait Surface: Copy + Send + Sync {
     /// Whether a ray may meet it a second time.
     const TWICE: bool;
 
-    /// From the numbers of `Rig::numbers`.
-    fn of(numbers: &[Lanes; SURFACE]) -> Self;
+    /// From its parameters.
+    fn of(kind: Kind, parameters: &[Lanes]) -> Self;
 
     /// Where the ray enters the solid of light, and where it leaves it; twice the same unless `TWICE`.
     fn meet(&self, ray: &Ray) -> [Meeting; 2];

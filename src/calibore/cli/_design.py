@@ -8,6 +8,7 @@ import typer
 
 from calibore.cli._design_options import INPUTS, RIG, SAID, SAID_OF_RIG, TAKES, WISHES, with_options
 from calibore.cli._failure import wrong_usage
+from calibore.cli._optimise import optimise
 from calibore.cli._profile import as_json, progress_bar
 
 if TYPE_CHECKING:
@@ -23,10 +24,12 @@ design = typer.Typer(
 
 def _study(configuration: str, given: dict[str, Any]) -> None:
     with wrong_usage():
-        radius, assumptions, wishes = _common(given)
+        radius, limits, wishes = _common(given)
         kind = _numbers_of(given, radius)
         _check_unit(given["unit"])
     from calibore.design import Study, analyse
+
+    assumptions = _assumptions(given, limits)
 
     across = given.get("view_across") or ("long" if given["as_published"] else "short")
     study = Study(configuration, radius, **kind, across=across, inputs=assumptions)
@@ -55,19 +58,19 @@ def _numbers_of(given: dict[str, Any], radius: float) -> dict[str, Any]:
 
 def _of_file(given: dict[str, Any]) -> None:
     with wrong_usage():
-        radius, assumptions, wishes = _common({**given, "length_limits": "0.001", "as_published": False})
+        radius, limits, wishes = _common({**given, "length_limits": "0.001"})
         _check_unit(given["unit"])
     from calibore.design import analyse_rig
     from calibore.rigs import read_rig
 
     found = read_rig(given["file"])
-    if given["pixel_noise"] is None and found.stripe is not None:
-        assumptions = replace(assumptions, u_pixel=found.stripe)
+    noise = found.stripe if given["pixel_noise"] is None else given["pixel_noise"]
+    assumptions = _assumptions({"as_published": False, "pixel_noise": noise}, limits)
     _tell(analyse_rig(found, nominal_radius=radius, assumptions=assumptions, wishes=wishes), given)
 
 
-def _common(given: dict[str, Any]) -> "tuple[float, Assumptions, Wishes]":
-    """Nominal radius [m], assumptions and wishes; raises InputError for text that is no quantity."""
+def _common(given: dict[str, Any]) -> "tuple[float, float, Wishes]":
+    """Nominal radius [m], limits of lengths in nominal radii, and wishes; raises InputError for text that is none."""
     from calibore.design import Wishes
     from calibore.units import parse_quantity
 
@@ -83,13 +86,12 @@ def _common(given: dict[str, Any]) -> "tuple[float, Assumptions, Wishes]":
         body_height=length("body_height"),
         bump=length("bump"),
     )
-    return radius, _assumptions(given, radius), wishes
+    return radius, _in_radii(given["length_limits"], radius), wishes
 
 
-def _assumptions(given: dict[str, Any], radius: float) -> "Assumptions":
+def _assumptions(given: dict[str, Any], limits: float) -> "Assumptions":
     from calibore.design import AS_PUBLISHED, HONEST
 
-    limits = _in_radii(given["length_limits"], radius)
     noise = 1.0 if given["pixel_noise"] is None else given["pixel_noise"]
     if given["as_published"]:
         return replace(AS_PUBLISHED, length=limits, u_pixel=noise)
@@ -135,3 +137,4 @@ def _command(configuration: str) -> Any:
 for name in TAKES:
     design.command(name)(_command(name))
 design.command("rig")(with_options(lambda **given: _of_file(given), RIG, SAID_OF_RIG))
+design.command("optimise")(optimise)

@@ -22,18 +22,19 @@ def optimise(
     from calibore.design import optimise as search
     from calibore.design import read_requirement, verify_best
     from calibore.plotting import length_unit
-    from calibore.reports import write_optimisation
+    from calibore.reports import fill_optimisation, optimisation_folder
 
     with wrong_usage():
         length_unit(unit)
     wanted = read_requirement(spec)
-    with progress_bar("Searching", quiet=json) as progress:
-        found = search(wanted, workers=workers or os.cpu_count() or 1, progress=progress)
-    verified = {}
-    if verify:
-        with progress_bar("Simulating", quiet=json) as progress:
-            verified = verify_best(found, progress=progress)
-    plain = write_optimisation(found, out, verified=verified, unit=unit)
+    with optimisation_folder(out) as folder:
+        with progress_bar("Searching", quiet=json) as progress:
+            found = search(wanted, workers=workers or os.cpu_count() or 1, progress=progress)
+        verified = {}
+        if verify:
+            with progress_bar("Simulating", quiet=json) as progress:
+                verified = verify_best(found, progress=progress)
+        plain = fill_optimisation(found, folder, verified=verified, unit=unit)
     if json:
         typer.echo(as_json(plain))
         return

@@ -5,15 +5,16 @@ from typing import Annotated, Any
 
 import typer
 
-from calibore.cli._profile import Workers, as_json, progress_bar
+from calibore.cli._profile import as_json, progress_bar
 
 Out = Annotated[Path, typer.Option("--out", "-o", help="Folder for page, JSON and pictures; it appears when complete.")]
+Processes = Annotated[int | None, typer.Option(min=1, help="Processes that draw.", show_default="all cores")]
 NOT_REPRODUCED = 1
 
 
 def reproduce(
     out: Out,
-    workers: Workers = None,
+    workers: Processes = None,
     json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
     """Compute every number, table and figure of the dissertation anew and say where ours agree. Needs no input."""
@@ -39,11 +40,12 @@ def show(facts: dict[str, Any], out: Path) -> None:
     for value in facts["values"]:
         if value["verdict"] not in ("reproduced", "not published"):
             typer.echo(
-                f"  {value['where']}: {value['what']}: {value['as_printed']}, ours {value['ours']:.5g} ({value['verdict']})"
+                f"  {value['where']}: {value['what']}: {value['as_printed']}, ours {value['ours']:.5g}"
+                f" ({value['verdict']})"
             )
     claims = facts["claims"]
     typer.echo(
-        f"{len(facts['pictures'])} tables and figures; of what the text says of them {claims['holds']} statements hold, "
-        f"{claims['in part']} in part, {claims['does not hold']} do not."
+        f"{len(facts['pictures'])} tables and figures; of what the text says of them {claims['holds']} statements "
+        f"hold, {claims['in part']} in part, {claims['does not hold']} do not."
     )
     typer.echo(f"Page: {out / 'reproduction.html'}")

@@ -19,10 +19,10 @@ HALVINGS = 22
 @dataclass(frozen=True, eq=False)
 class Limits:
     """At `clock` (c,) [rad]: the range `least` to `most` [m] about the nominal radius that is measured at first order,
-    or, where the nominal radius is not, the widest range; NaN where there is none. `most` is infinite beyond 20
-    nominal radii. `everywhere` (2,) [m]: the range measured at every clock, NaN where there is none. `fraction` of
-    the clocks at which the nominal radius is measured. `zenith` [rad] at the edges of the image along u, along v and
-    in the corners.
+    or, where the nominal radius is not, the widest range; NaN where there is none. `least` is 0 below 0.02 nominal
+    radii, `most` infinite beyond 20. `everywhere` (2,) [m]: the range measured at every clock, NaN where there is none.
+    `fraction` of the clocks at which the nominal radius is measured. `zenith` [rad] at the edges of the image along u,
+    along v and in the corners.
     """
 
     clock: Array
@@ -48,7 +48,8 @@ def measuring_limits(
     least = _edge(measured, first, np.maximum(first - 1, 0), scale)
     most = _edge(measured, last, np.minimum(last + 1, STEPS - 1), scale)
     none = first < 0
-    least, most = np.where(none, np.nan, least), np.where(none, np.nan, np.where(last == STEPS - 1, np.inf, most))
+    least = np.where(none, np.nan, np.where(first == 0, 0.0, least))
+    most = np.where(none, np.nan, np.where(last == STEPS - 1, np.inf, most))
     at_nominal = measured(np.full(clock.shape, nominal_radius))
     return Limits(clock, least, most, _everywhere(least, most), float(at_nominal.mean()), _zeniths(rig))
 

@@ -17,7 +17,7 @@ from calibore.rigs import Rig, SideFacing, triangulate
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
-ANGLES = np.radians(np.linspace(0, 2, 21))
+ANGLES = np.radians(np.linspace(0, 2, 11))
 CLOCKS = 120
 
 

@@ -14,6 +14,7 @@ from calibore.rigs import Rig
 Array = NDArray[np.float64]
 HEIGHTS = np.linspace(0.0, 0.2, 21)  # nominal radii
 CLOCKS = 72
+NOTHING = 1e-9  # of the nominal radius: rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ def shadows(rig: Rig, *, nominal_radius: float, heights: ArrayLike | None = None
         points = points[np.isfinite(points).all(axis=1)]
         views = [_hidden(view, points, nominal_radius, height) for view in _viewpoints(rig, laser)]
         each.append([_union([view[axis] for view in views]).max(axis=1, initial=0.0) for axis in (0, 1)])
-    along, around = np.max(each, axis=0)
+    along, around = np.where(np.max(each, axis=0) > NOTHING * nominal_radius, np.max(each, axis=0), 0.0)
     return Shadow(height, along, around)
 
 

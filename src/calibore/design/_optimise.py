@@ -164,9 +164,11 @@ def _pool(workers: int) -> Iterator[Callable[..., list]]:
         yield lambda work, jobs, tell: counted(map(work, jobs), tell)
         return
     import multiprocessing
+    import signal
     from concurrent.futures import ProcessPoolExecutor
 
-    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    undisturbed = partial(signal.signal, signal.SIGINT, signal.SIG_IGN)  # the parent tells of an interrupt, once
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=undisturbed)
     try:
         yield lambda work, jobs, tell: counted(pool.map(work, jobs), tell)
     finally:

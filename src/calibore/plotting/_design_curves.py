@@ -25,6 +25,7 @@ from calibore.plotting._lengths import LengthUnit, length_unit
 Floats = NDArray[np.float64]
 NEAR_FRONTIER = 4.0
 LOST = "#c4c4c4"
+FEW_CLOCKS = 30  # places of their own, not points of a line
 FOUR_COLUMNS = 75  # characters of all legend labels together that still fit side by side
 NAMES = {
     "tilt_y": "tilt of the laser plane",
@@ -40,22 +41,24 @@ def round_pipe_chart(design: Analysis, *, unit: str = "mm") -> Figure | None:
     if ring.clock.size < 2:
         return None
     k = design.assumptions.coverage_factor
-    notes = [f"Wall of the nominal radius, {_radius(design, scale)}; U = {k:g} u; lasers together"]
+    notes = [
+        f"Wall of the nominal radius, {_radius(design, scale)}; U = {k:g} u"
+        + "; lasers together" * (len(design.rig.lasers) > 1)
+    ]
     figure = new_figure(4.2, title="Uncertainty round the pipe", notes=notes)
     axes = figure.subplots()
     clock = np.append(ring.clock, ring.clock[0] + 2 * np.pi) * 6 / np.pi
     sharp = np.where(ring.margin >= NEAR_FRONTIER, 1.0, np.nan)
-    heavier = " (of the laser that weighs most)" if len(design.rig.lasers) > 1 else ""
+    heavier = " (of the laser that weighs most)" if len(design.rig.lasers) == 2 else ""
     lines = (
         (ring.u_radius, "radius R", {"color": MEAN_COLOUR, "linewidth": 1.8}),
         (ring.u_independent, "of it: noise of the line", {"color": LOWER_COLOUR, "linestyle": "--"}),
         (ring.u_common, "of it: calibration, common to all points", {"color": UPPER_COLOUR, "linestyle": "-."}),
         (ring.u_axial, "axial position H" + heavier, {"color": LIMIT_COLOUR, "linestyle": ":"}),
     )
-    marker = {"marker": "o", "markersize": 4} if clock.size < 30 else {}
-    for u, label, style in lines:
-        values = _closed(k * u * sharp / scale.metres)
-        axes.plot(clock, values, label=label, **style, **marker)
+    for (u, label, style), marker in zip(lines, "osD^", strict=True):
+        spots = {"marker": marker, "markersize": 5, "linestyle": "none"} if clock.size < FEW_CLOCKS else {}
+        axes.plot(clock, _closed(k * u * sharp / scale.metres), label=label, **{**style, **spots})
     _clock_axis(axes, f"U [{scale.symbol}]")
     _frame_log(axes, k * ring.u_radius * sharp / scale.metres)
     _mark_lost(axes, clock[:-1], np.isnan(sharp), "no first order: grazing, or not seen")
@@ -80,9 +83,13 @@ def limits_chart(design: Analysis, *, unit: str = "mm") -> Figure:
     figure = new_figure(4.0, title="Measuring limits", notes=notes)
     axes = figure.subplots()
     upper = np.minimum(np.where(np.isinf(most), np.inf, most) / scale.metres, 2 * top)
-    axes.fill_between(clock, least / scale.metres, upper, color=LOWER_COLOUR, alpha=0.25, linewidth=0, label="measured")
-    axes.plot(clock, least / scale.metres, color=LOWER_COLOUR, label="smallest radius")
-    axes.plot(clock, upper, color=UPPER_COLOUR, linestyle="--", label="largest radius")
+    lower = least / scale.metres
+    if 2 < clock.size < FEW_CLOCKS:
+        axes.vlines(clock, lower, upper, color=LOWER_COLOUR, alpha=0.5, linewidth=6, label="measured, along the beams")
+    else:
+        axes.fill_between(clock, lower, upper, color=LOWER_COLOUR, alpha=0.25, linewidth=0, label="measured")
+        axes.plot(clock, lower, color=LOWER_COLOUR, label="smallest radius")
+        axes.plot(clock, upper, color=UPPER_COLOUR, linestyle="--", label="largest radius")
     axes.axhline(design.nominal_radius / scale.metres, color=MEAN_COLOUR, linestyle=":", label="nominal radius")
     _clock_axis(axes, f"radius [{scale.symbol}]")
     axes.set_ylim(0, top)
@@ -155,7 +162,7 @@ def occlusion_chart(design: Analysis, *, unit: str = "mm") -> Figure:
             (one.camera, "camera", {"color": LOWER_COLOUR}),
             (one.light, "light", {"color": UPPER_COLOUR, "linestyle": "--"}),
         ):
-            _angle_line(left, one.clock, angle, name if first else None, style, beams=clocks.size < 30)
+            _angle_line(left, one.clock, angle, name if first else None, style, beams=clocks.size < FEW_CLOCKS)
     _clock_axis(left, "angle between wall and ray [deg]")
     left.set_ylim(0, 95)
     _legend_below(left)

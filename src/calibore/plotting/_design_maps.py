@@ -39,6 +39,7 @@ SHADES: dict[Region, tuple[str, str, str]] = {
 """Face, hatch and words of every region but the measured one: told apart without colour."""
 MOST_SHOWN = 3.0  # nominal radii; farther walls are beyond what is designed for
 CONTOURS, FEWEST = 6, 3
+LEAST_TOLD = 1e-3
 FLAT = 1e-6  # of the largest value: differences below are rounding
 NOMINAL: dict[str, Any] = {"color": UPPER_COLOUR, "linewidth": 1.6}
 
@@ -119,7 +120,8 @@ def _levels(norm: Normalize) -> Floats:
     ticks = steps.ravel() if isinstance(norm, LogNorm) else even
     inside = ticks[(ticks >= low) & (ticks <= high)]
     inside = inside[:: max(1, -(-inside.size // CONTOURS))]
-    return np.asarray(inside if inside.size >= FEWEST else even[(even >= low) & (even <= high)].round(12))
+    chosen = inside if inside.size >= FEWEST else even[(even >= low) & (even <= high)].round(12)
+    return np.array(chosen, dtype=np.float64)
 
 
 def _linear(one: ImageMap, values: Floats, design: Analysis, scale: LengthUnit) -> Normalize:
@@ -161,7 +163,7 @@ def _legend(figure: Figure, one: ImageMap) -> None:
     handles: list[Any] = [Line2D([], [], **NOMINAL, label="wall of the nominal radius")]
     for region, (face, hatch, words) in SHADES.items():
         if (one.region == region).any():
-            share = f" ({100 * one.fraction(region):.2g} % of the image)"
+            share = f" ({_percent(one.fraction(region))} of the image)"
             shown = "white" if face == "none" else face
             handles.append(
                 Patch(
@@ -176,6 +178,10 @@ def _legend(figure: Figure, one: ImageMap) -> None:
     figure.legend(
         handles=handles, loc="outside lower left", ncols=2, fontsize=SMALL_SIZE, frameon=False, labelcolor=FAINT_INK
     )
+
+
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.2g} %" if fraction >= LEAST_TOLD else "< 0.1 %"
 
 
 def _along_row(design: Analysis, one: ImageMap, scale: LengthUnit) -> Figure:

@@ -1,6 +1,7 @@
 """The designs that an optimisation found: accuracy against what it costs."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,7 +22,7 @@ STYLES = {
     "rotating-spot": ("X", "#595959"),
 }
 """Marker and colour, Okabe and Ito: shapes tell the configurations apart without colour."""
-LEAST_AREA, MOST_AREA = 14.0, 110.0
+LEAST_AREA, MOST_AREA = 24.0, 84.0
 """Points squared, for occlusion angles of 0 and 90 deg."""
 KEYS = (15, 45, 75)
 """Degrees shown in the legend."""
@@ -33,10 +34,8 @@ def design_chart(found: Optimised, *, unit: str = "mm") -> Figure:
     """
     scale, wanted = length_unit(unit), found.wanted
     notes = [
-        "One marker per design of each configuration's Pareto set; lower and further left is better. Hollow: beaten in "
-        "everything by another configuration.",
-        "Dashed: what is required. Black ring: recommended. Crosses: covers only a part of the circumference, which is "
-        "written beside.",
+        "Lower and further left is better. A marker: a design that no other of its configuration beats in everything.",
+        "Hollow: another configuration beats it in everything. Cross: covers only this part of the circumference.",
     ]
     figure = new_figure(5.2, title=f"Designs for {wanted.name}", notes=notes)
     left, right = figure.subplots(1, 2, sharey=True)
@@ -62,11 +61,12 @@ def _draw(axes: Axes, found: Optimised, along: Callable[[Option], float], scale:
         at = along(option), option.design.u95 / scale.metres
         face = colour if option.on_front else "none"
         area = _area(np.degrees(option.design.occlusion))
-        style = (
-            {"marker": "x", "c": colour} if partial else {"marker": marker, "facecolors": face, "edgecolors": colour}
-        )
-        axes.scatter(*at, s=area, linewidths=1.1, alpha=0.85, zorder=3, **style)
         if partial:
+            axes.scatter(*at, s=area, linewidths=1.4, zorder=3, marker="x", c=colour)
+        else:
+            shape: Any = {"marker": marker, "facecolors": face, "edgecolors": "white" if option.on_front else colour}
+            axes.scatter(*at, s=area, linewidths=0.8, zorder=3, **shape)
+        if partial and axes is axes.figure.axes[0]:
             text = f"{100 * option.design.coverage:.0f} % "
             axes.annotate(text, at, size=SMALL_SIZE, color=FAINT_INK, ha="right", va="center", xytext=(-5, 0),
                           textcoords="offset points")  # fmt: skip
@@ -102,6 +102,8 @@ def _legend(figure: Figure, found: Optimised) -> None:
     handles = [_handle("x" if name in partly else STYLES[name][0], STYLES[name][1], name, 7.0) for name in shown]
     handles += [_handle("o", FAINT_INK, f"occlusion angle {key} deg", float(np.sqrt(_area(key)))) for key in KEYS]
     handles.append(Line2D([], [], color=LIMIT_COLOUR, linestyle="--", label="required"))
+    ring = {"markerfacecolor": "none", "markeredgecolor": INK, "markeredgewidth": 1.6, "linestyle": "none"}
+    handles.append(Line2D([], [], marker="o", markersize=9, label="recommended", **ring))
     figure.legend(handles=handles, loc="outside lower left", ncols=4, fontsize=SMALL_SIZE, frameon=False)
 
 

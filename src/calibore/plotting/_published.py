@@ -48,7 +48,16 @@ def published_picture(picture: Picture) -> Figure:
     if handles:
         style = {"fontsize": SMALL_SIZE, "frameon": False, "labelcolor": INK}
         figure.legend(handles=handles, loc="outside lower left", ncols=_legend_columns(handles), **style)
+    _settle(figure)
     return figure
+
+
+def _settle(figure: Figure) -> None:
+    """Lay out once, for PNG and SVG alike: each would otherwise do it again, which takes longer than drawing."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
 
 
 def published_number(name: str) -> str:

@@ -7,14 +7,14 @@ given for noise where noise is all that single peaks show.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.lasers import MeetingFlag
 from calibore.profiling._smoothing import smoothed_line
-from calibore.rigs import Candidates, Rig, Triangulation, follow_stripe, margin, meetings_of, triangulate
+from calibore.rigs import Rig, Triangulation, follow_stripe, margin, meetings_of, triangulate
 from calibore.status import Status
 from calibore.stripe import Stripe
 
@@ -23,42 +23,57 @@ NEAR_FOLD = 25.0
 """Margin below which the smoothed line counts."""
 NOISE = 4.0
 """A peak more standard uncertainties off the smoothed line is no noise but the wall, and stands for itself."""
-TOGETHER = 3.0
-"""Ratio of the distances up to which two meetings are about to become one."""
 MEASURABLE = 1.0
 """Least margin of a point worth a number (docs/decisions/0005)."""
 
+SWAPPED = 0.15
+"""Chance of the wrong branch where a ray touches the cone: what the scatter of 120 simulated rigs shows there."""
+
 
 class RingOnCone(NamedTuple):
-    """Wall points of the rays of a closed stripe, and the standard uncertainty (n,) [px] of what was triangulated."""
+    """Wall points of the rays of a closed stripe, the standard uncertainty (n,) [px] of what was triangulated, and by
+    how much (n,) the uncertainty of the radius is larger than to first order.
+    """
 
     points: Triangulation
     u_position: Array
+    enlargement: Array
 
 
 def triangulate_ring(stripe: Stripe, rig: Rig, *, laser: int, prior_radius: float) -> RingOnCone:
     """Wall points of a closed stripe on a surface that rays can meet twice; GRAZING where its margin is too small."""
     line = smoothed_line(stripe)
-    candidates = _without_touching(meetings_of(rig, line.u, line.v, laser=laser))
-    branch = follow_stripe(candidates, prior_radius)
-    noise = line.noise * line.smaller
+    branch = follow_stripe(meetings_of(rig, line.u, line.v, laser=laser), prior_radius)
+    noise = line.noise * line.smaller if rig.stripe is None else np.full(stripe.u.size, rig.stripe)
     m = margin(rig, line.u, line.v, branch=branch, u_pixel=noise, direction=stripe.direction, laser=laser)
     smooth = (m < NEAR_FOLD) & (np.abs(line.off) <= NOISE * line.noise)
     u, v = np.where(smooth, line.u, stripe.u), np.where(smooth, line.v, stripe.v)
     points = triangulate(rig, u, v, laser=laser, branch=branch)
-    away = np.isfinite(candidates.radius).any(axis=0) & (m > MEASURABLE)
-    grazing = stripe.found & ~away & np.isin(points.status, (Status.OK, Status.GRAZING))
-    return RingOnCone(_without(points, grazing), np.where(smooth, noise, line.noise))
+    grazing = stripe.found & ~(m > MEASURABLE) & np.isin(points.status, (Status.OK, Status.GRAZING))
+    u_position = np.where(smooth, line.noise * line.smaller, line.noise)
+    return RingOnCone(_without(points, grazing), u_position, enlargement(m))
 
 
-def _without_touching(candidates: Candidates) -> Candidates:
-    """No radius on rays that touch the surface, grazing it at one of two meetings close together: the other one alone
-    would tell the wrong branch. (A ray also grazes at a meeting far away, when it runs along the cone: no harm.)
+def enlargement(m: Array) -> Array:
+    """True over first-order standard uncertainty (n,) of a meeting of margin `m` (n,); 1 where it has none.
+
+    The radius goes with x = root of the distance to touching, of which m +- 1 was observed: x is distributed as
+    exp(-(x^2 - m)^2 / 2) round the ring, where all x are as likely (JCGM 101, by quadrature). Continuity knows its
+    sign, the branch, but for a chance that falls off as the distribution does where the branches meet.
     """
-    grazed = ((candidates.flags & MeetingFlag.GRAZING) != 0).any(axis=0)
-    distance = np.where(candidates.flags != MeetingFlag.NONE, np.abs(candidates.distance), np.nan)
-    together = np.fmax.reduce(distance) <= TOGETHER * np.fmin.reduce(distance)
-    return replace(candidates, radius=np.where(grazed & together, np.nan, candidates.radius))
+    return np.where(np.isfinite(m), np.interp(m, *_enlargements(), right=1.0), 1.0)
+
+
+@lru_cache(maxsize=1)
+def _enlargements() -> tuple[Array, Array]:
+    """Margins and the enlargement at each."""
+    m, x = np.linspace(MEASURABLE, 2 * NEAR_FOLD, 197), np.linspace(0, 10, 2001)
+    root = np.sqrt(m)[:, None]
+    density = np.exp(-((x**2 - root**2) ** 2) / 2)
+    density /= density.sum(axis=1, keepdims=True)
+    right, wrong = (np.sum(density * (sign * x - root) ** 2, axis=1) for sign in (1, -1))
+    swapped = SWAPPED * np.exp(-(m**2) / 2)
+    return m, 2 * np.sqrt(m * ((1 - swapped) * right + swapped * wrong))
 
 
 def _without(points: Triangulation, grazing: NDArray[np.bool_]) -> Triangulation:

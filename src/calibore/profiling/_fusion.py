@@ -54,7 +54,7 @@ def _fuse(a: Ring, b: Ring) -> Ring:
         return np.where(seen, mixed, np.nan)
 
     part_a, part_b = (np.where(w > 0, w * ring.u, 0.0) for w, ring in ((weight, a), (1 - weight, b)))
-    own = float(np.sum(part_a**2) / max(np.sum(part_a**2 + part_b**2), 1e-300))
+    own = float(np.nansum(part_a**2) / max(np.nansum(part_a**2 + part_b**2), 1e-300))
     return Ring(
         a.clock,
         mean(a.radius, b.radius),

@@ -56,12 +56,13 @@ def grid_ring(take: TakePoints, covariance: Covariance, *, stripe: float | None,
     radius, offsets = table.take(take.points.radius), table.take(offset)
     slope = _slopes(radius, offsets, step)
     along = take.along - slope[home] * take.turn
-    sigma = table.take(np.abs(along) * take.u_position)
+    spread = np.abs(along) * take.enlargement
+    sigma = table.take(spread * take.u_position)
     level = radius - slope[:, None] * offsets
     weight = _weights(level, sigma, offsets)
     u, correlation = _noise(weight, sigma, table, take.stripe.correlation)
     if stripe is not None:
-        u = np.nansum(weight * table.take(np.abs(along)), axis=1) * stripe
+        u = np.nansum(weight * table.take(spread), axis=1) * stripe
     found = weight.sum(axis=1) > 0
     gone = np.where(found, 0.0, np.nan)
     by_radius, by_clock = take.points.radius_sensitivities.parameters, take.points.clock_sensitivities.parameters

@@ -16,8 +16,8 @@ NARROWEST = 8.0
 """Least width [px] of the annulus a ring is looked for in: twice the width of a line."""
 
 WIDEST = 1.5
-"""Farthest that a line is looked for on the side of a cone's apex, over the nominal ring: a wall near the apex is imaged
-anywhere, and an annulus much wider than the ring spoils what is learnt from neighbouring rays."""
+"""Farthest that a line is looked for on the side of a cone's apex, over the nominal ring: a wall near the apex is
+imaged anywhere, and an annulus much wider than the ring spoils what is learnt from neighbouring rays."""
 
 
 @dataclass(frozen=True)

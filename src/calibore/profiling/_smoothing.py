@@ -14,10 +14,10 @@ LAG = 8
 """Least number of rays between peaks compared for their scatter."""
 SECOND_DIFFERENCE = 1.5
 """Variance of p_i - (p_i-k + p_i+k) / 2 over that of independent p."""
-MEDIAN_OF_SQUARE = 0.4549
-CLIP = 3.0
-CLIPPED_MEAN = 0.9947
-"""Of the square of a standard normal z: its median, and its mean where |z| is clipped at `CLIP`."""
+NOISE = 3.5
+"""Standard uncertainties beyond which a difference is no noise but an edge."""
+MEDIAN_OF_SQUARE, MEAN_OF_SQUARE = 0.4549, 0.9939
+"""Of the square of a standard normal z: its median, and its mean where |z| is below `NOISE`."""
 SECTOR = 90
 """Rays on each side whose scatter gives the local noise."""
 SECTORS = 50
@@ -50,8 +50,7 @@ def smoothed_line(stripe: Stripe) -> SmoothedLine:
     direction = stripe.direction
     position = (stripe.u - column) * direction[:, 0] + (stripe.v - row) * direction[:, 1]
     near = position[_around(position.size)]
-    half = REACH // 2
-    slope = _medians((near[:, 2 * half :] - near[:, : -2 * half]) / (2 * half))
+    slope = _medians((near[:, 2:] - near[:, :-2]) / 2)
     middle = _medians(near - slope[:, None] * np.arange(-REACH, REACH + 1))
     middle = np.where(np.isfinite(position), middle, np.nan)
     lag = max(LAG, stripe.correlation.size + 1)
@@ -79,16 +78,16 @@ def local_scatter(position: Array, u: Array, *, lag: int) -> Array:
 
     A cone's light falls at another angle on every side of the wall: its line is up to three times as wide on one side
     as on the other, and so is the noise of its speckle, which the noise of a picture as a whole does not tell. From
-    second differences at `lag`, as the stripe's own scale is; what is no noise counts no more than `CLIP`.
+    second differences at `lag`, as the stripe's own scale is; those across an edge do not count.
     """
     count = position.size
     bend = position - 0.5 * (np.roll(position, lag) + np.roll(position, -lag))
     square = bend**2 / (SECOND_DIFFERENCE * u**2)
     places = np.linspace(0, count, SECTORS, endpoint=False).astype(np.intp)
     sectors = square[(places[:, None] + np.arange(-SECTOR, SECTOR + 1)) % count]
-    known = np.isfinite(sectors).sum(axis=1)
-    most = CLIP**2 * _medians(sectors)[:, None] / MEDIAN_OF_SQUARE
-    mean = np.nansum(np.minimum(sectors, most), axis=1) / np.maximum(known, 1) / CLIPPED_MEAN
+    kept = sectors <= NOISE**2 * _medians(sectors)[:, None] / MEDIAN_OF_SQUARE
+    known = kept.sum(axis=1)
+    mean = np.sum(np.where(kept, sectors, 0.0), axis=1) / np.maximum(known, 1) / MEAN_OF_SQUARE
     local = np.where((known >= FEWEST) & (mean > 0), np.sqrt(mean), 1.0)
     return np.interp(np.arange(count), places, local, period=count)
 

@@ -204,7 +204,7 @@ def _points(takes: list[TakePoints], numbers: list[int], placement: Placement, c
             "radius": take.points.radius + valued,
             "clock": np.where(np.isfinite(wall[:, 0]), clock_of(wall[:, 0], wall[:, 1]), turned),
             "axial": wall[:, 2],
-            "u_radius": np.hypot(take.along * take.u_position, common),
+            "u_radius": np.hypot(take.along * take.u_position * take.enlargement, common),
             "u": take.stripe.u,
             "v": take.stripe.v,
             "take": np.full(take.clock.size, number),

@@ -17,10 +17,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TakePoints:
-    """The rays of one image as wall points in the rig frame, n rays in order round the ring.
+    """The rays of one image as wall points in the rig frame, n rays in order round the ring of one `laser`.
 
     `clock` [rad] is given for rays without a point too (interpolated). `along` (n,) [m/px]: radius per pixel along the
-    ray the peak was measured on, at fixed clock; `turn` (n,) [rad/px]: clock per pixel along it. `u_position` (n,) [px]
+    ray the peak was measured on, at fixed clock; `turn` (n,) [rad/px]: clock per pixel along it. `u_position` (n,)
+    [px]; `enlargement` of the radius's uncertainty where first order does not hold, one number or (n,).
     """
 
     points: Triangulation
@@ -31,6 +32,7 @@ class TakePoints:
     status: NDArray[np.uint8]
     stripe: Stripe
     laser: int = 0
+    enlargement: Array | float = 1.0
 
 
 def place_on_wall(stripe: Stripe, rig: Rig, *, laser: int = 0, prior_radius: float | None = None) -> TakePoints:
@@ -38,16 +40,17 @@ def place_on_wall(stripe: Stripe, rig: Rig, *, laser: int = 0, prior_radius: flo
 
     `prior_radius` [m], roughly the wall's, tells the meetings with a cone apart.
     """
-    u_position = stripe.u_position
+    u_position, enlargement = stripe.u_position, 1.0
     if isinstance(rig.lasers[laser].surface, Cone) and prior_radius is not None:
-        points, u_position = triangulate_ring(stripe, rig, laser=laser, prior_radius=prior_radius)
+        points, u_position, enlargement = triangulate_ring(stripe, rig, laser=laser, prior_radius=prior_radius)
     else:
         points = triangulate(rig, stripe.u, stripe.v, laser=laser, prior_radius=prior_radius)
     status = np.where(points.status == Status.OK, stripe.status, points.status)
     status = np.where(stripe.found, status, stripe.status).astype(np.uint8)
     along = np.einsum("nk,nk->n", points.radius_sensitivities.pixel, stripe.direction)
     turn = np.einsum("nk,nk->n", points.clock_sensitivities.pixel, stripe.direction)
-    return TakePoints(points, _every_clock(points.clock), along, turn, u_position, status, stripe, laser)
+    clock = _every_clock(points.clock)
+    return TakePoints(points, clock, along, turn, u_position, status, stripe, laser, enlargement)
 
 
 def _every_clock(clock: Array) -> Array:

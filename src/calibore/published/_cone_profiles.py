@@ -20,8 +20,8 @@ from calibore.published._pictures import Chart, Claim, Curve, Picture, Style, To
 
 Array = NDArray[np.float64]
 AZIMUTH, U_LABEL = "azimuth [deg], 90 = crown", "U[R] [% of R0]"
-BASELINES = np.linspace(0.1, 0.9, 65)
-PROJECTIONS = np.linspace(0.5, 5.0, 46)
+BASELINES = np.geomspace(0.1, 0.9, 41)
+PROJECTIONS = np.geomspace(0.5, 5.0, 41)
 PROJECTION_LOOKS: tuple[tuple[float, Tone, Style], ...] = (
     (0.5, "purple", "dotted"),
     (0.75, "orange", "dash-dot"),

@@ -12,16 +12,18 @@
 from calibore.reports._design import design_data, write_design
 from calibore.reports._finisher import finisher, illustrate
 from calibore.reports._numbers import expanded_text
-from calibore.reports._optimise import optimisation_data, write_optimisation
+from calibore.reports._optimise import fill_optimisation, optimisation_folder, write_optimisation
 from calibore.reports._report import write_report
 from calibore.reports._reproduction import write_reproduction
 
 __all__ = [
     "design_data",
     "expanded_text",
+    "fill_optimisation",
     "finisher",
     "illustrate",
-    "optimisation_data",
+    "optimisation_folder",
+    "write_design",
     "write_optimisation",
     "write_report",
     "write_reproduction",

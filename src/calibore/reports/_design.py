@@ -28,6 +28,7 @@ def write_design(
         pictures = []
         for done, picture in enumerate(design_pictures(design, unit=unit), start=1):
             path = save_picture(picture.figure, folder / f"{picture.name}.png")
+            picture.figure.set_layout_engine("none")  # it is laid out; doing so again takes as long as drawing
             save_vector(picture.figure, folder / f"{picture.name}.svg")
             data = base64.b64encode(path.read_bytes()).decode("ascii")
             pictures.append({"title": picture.title, "caption": picture.caption, "data": data})

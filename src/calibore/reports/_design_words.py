@@ -5,8 +5,8 @@ from math import isfinite, isinf
 
 import numpy as np
 
-from calibore.design import Analysis, Region
-from calibore.plotting import LengthUnit, length_unit
+from calibore.design import STRIPE, Analysis, Region
+from calibore.plotting import LengthUnit, length_unit, parameter_words
 
 SHALLOW = np.radians(20)
 """Below, a bump hides nearly three times its height and more."""
@@ -50,7 +50,7 @@ def _how_well(design: Analysis, scale: LengthUnit) -> Iterator[str]:
     yield (
         f"On the nominal wall the expanded uncertainty of R (k = {k:g}) is {_text(k * _middle(design), scale)} at the "
         f"middle clock and {_text(k * design.u_worst, scale)} at the worst useful one; "
-        f"{100 * design.shares.get(first, 0):.0f} % of the variance comes from {first}."
+        f"{100 * design.shares.get(first, 0):.0f} % of the variance comes from {_words(first)}."
     )
 
 
@@ -103,6 +103,12 @@ def _how_to_build(design: Analysis, scale: LengthUnit) -> Iterator[str]:
     yield (
         f"With the stated inputs it {word} the target of {_text(target, scale)} ({_text(now, scale)} predicted at the "
         "worst useful clock); the table of tolerances says what each parameter is allowed."
+    )
+
+
+def _words(inputs: str) -> str:
+    return ", ".join(
+        "the noise of the line" if name == STRIPE else parameter_words(name) for name in inputs.split(" + ")
     )
 
 

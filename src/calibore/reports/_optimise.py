@@ -3,6 +3,7 @@
 import base64
 import json
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -17,27 +18,41 @@ from calibore.rigs import write_rig
 PARETO, PAGE, CHART, RIGS, RECOMMENDED = "pareto.json", "optimise.html", "pareto", "rigs", "recommended.toml"
 
 
+def optimisation_folder(out: Path | str) -> AbstractContextManager[Path]:
+    """A folder to be filled, that gets the name `out` when the block ends well. Raises OutputError before the block
+    where `out` holds anything else.
+    """
+    return whole_folder(Path(out), marker=PARETO, form=PARETO_FORMAT)
+
+
 def write_optimisation(
     found: Optimised, out: Path | str, *, verified: Mapping[str, Verification], unit: str = "mm"
 ) -> dict[str, Any]:
-    """Writes `out`/pareto.json, optimise.html, the chart as PNG and SVG, every design as a rig file, all or nothing;
+    """`fill_optimisation` for a folder `out` that appears whole."""
+    with optimisation_folder(out) as folder:
+        return fill_optimisation(found, folder, verified=verified, unit=unit)
+
+
+def fill_optimisation(
+    found: Optimised, folder: Path, *, verified: Mapping[str, Verification], unit: str = "mm"
+) -> dict[str, Any]:
+    """Writes pareto.json, optimise.html, the chart as PNG and SVG, and every design as a rig file into `folder`;
     returns the JSON data. `verified`: by configuration, as `calibore.design.verify_best` gives it.
     """
     length_unit(unit)
-    with whole_folder(Path(out), marker=PARETO, form=PARETO_FORMAT) as folder:
-        (folder / RIGS).mkdir()
-        for name, option in numbered(found).items():
-            write_rig(option.design.candidate.rig(found.wanted), folder / RIGS / f"{name}.toml")
-        write_rig(found.recommended.design.candidate.rig(found.wanted), folder / RECOMMENDED)
-        figure = design_chart(found, unit=unit)
-        picture = save_picture(figure, folder / f"{CHART}.png")
-        save_vector(figure, folder / f"{CHART}.svg")
-        page = _page(found, verified, picture, unit)
-        (folder / PAGE).write_text(page, encoding="utf-8", newline="\n")
-        listed = sorted([path.name for path in folder.iterdir()] + [PARETO])
-        plain = optimisation_data(found, verified, unit=unit) | {"files": listed}
-        text = json.dumps(plain, indent=1, allow_nan=False) + "\n"
-        (folder / PARETO).write_text(text, encoding="utf-8", newline="\n")
+    (folder / RIGS).mkdir()
+    for name, option in numbered(found).items():
+        write_rig(option.design.candidate.rig(found.wanted), folder / RIGS / f"{name}.toml")
+    write_rig(found.recommended.design.candidate.rig(found.wanted), folder / RECOMMENDED)
+    figure = design_chart(found, unit=unit)
+    picture = save_picture(figure, folder / f"{CHART}.png")
+    save_vector(figure, folder / f"{CHART}.svg")
+    page = _page(found, verified, picture, unit)
+    (folder / PAGE).write_text(page, encoding="utf-8", newline="\n")
+    listed = sorted([path.name for path in folder.iterdir()] + [PARETO])
+    plain = optimisation_data(found, verified, unit=unit) | {"files": listed}
+    text = json.dumps(plain, indent=1, allow_nan=False) + "\n"
+    (folder / PARETO).write_text(text, encoding="utf-8", newline="\n")
     return plain
 
 

@@ -19,15 +19,10 @@ REQUIREMENTS = {
 def recommendation(found: Optimised, *, unit: str = "mm") -> list[str]:
     """Which rig, why, what it costs, and what binds; where nothing meets the requirements, what to relax."""
     scale, best = length_unit(unit), found.recommended
-    return [
-        (
-            f"Build {_built(best, scale)}."
-            if best.meets
-            else f"No design meets all requirements. Nearest is {_built(best, scale)}."
-        ),
-        _achieved(found, best, scale),
-        *(_room(best) if best.meets else _relax(found, best, scale)),
-    ]
+    if best.meets:
+        return [f"Build {_built(best, scale)}.", _achieved(found, best, scale), _room(best)]
+    nearest = f"No design meets all requirements. Nearest is {_built(best, scale)}."
+    return [nearest, _achieved(found, best, scale), *_relax(found, best, scale)]
 
 
 def alternatives(found: Optimised, *, unit: str = "mm") -> list[str]:
@@ -78,29 +73,30 @@ def field_of_view(option: Option) -> float:
 def _built(option: Option, scale: LengthUnit) -> str:
     candidate = option.design.candidate
     projection = f" and a projection of {_length(candidate.projection, scale)}" if candidate.projection else ""
+    lens = f"{candidate.lens} lens of {np.degrees(field_of_view(option)):.0f} deg across the longer side"
     return (
-        f"a {candidate.configuration} rig with a baseline of {_length(candidate.baseline, scale)}{projection}, and the "
-        f'camera "{candidate.camera.name}" with a {candidate.lens} lens of {np.degrees(field_of_view(option)):.0f} deg '
-        f"across the longer side (k = {candidate.k:.0f} px)"
+        f"a {candidate.configuration} rig with a baseline of {_length(candidate.baseline, scale)}{projection}, with "
+        f'the camera "{candidate.camera.name}" and its {lens} (k = {candidate.k:.0f} px)'
     )
 
 
 def _achieved(found: Optimised, option: Option, scale: LengthUnit) -> str:
     design, wanted = option.design, found.wanted
-    least, most = wanted.radii
+    least, most, budget = (_length(value, scale) for value in (*wanted.radii, wanted.budget))
+    share = f"{100 * design.u95 / wanted.nominal_radius:.2f} % of the nominal radius (budget {budget})"
     return (
-        f"From {_length(least, scale)} to {_length(most, scale)} it measures every radius with a U95 of "
-        f"{_length(design.u95, scale)} or better, {100 * design.u95 / wanted.nominal_radius:.2f} % of the nominal radius "
-        f"(budget {_length(wanted.budget, scale)}); it still measures a radius of {_length(design.smallest_radius, scale)}, "
-        f"wall and rays meet at {np.degrees(design.occlusion):.0f} deg or more, and the rig is "
-        f"{_length(design.length, scale)} long and {_length(design.diameter, scale)} across."
+        f"From {least} to {most} it measures every radius with a U95 of {_length(design.u95, scale)} or better, "
+        f"{share}; it measures radii down to {_length(design.smallest_radius, scale)}, wall and rays meet at "
+        f"{np.degrees(design.occlusion):.0f} deg or more, and the rig is {_length(design.length, scale)} long and "
+        f"{_length(design.diameter, scale)} across."
     )
 
 
-def _room(option: Option) -> Iterator[str]:
-    yield (
-        f"The binding requirement is {REQUIREMENTS[option.binding]}: it takes up {_share(option.demands[option.binding])} "
-        "of what is allowed. No other design found leaves its tightest requirement more room."
+def _room(option: Option) -> str:
+    used = f"{100 * option.demands[option.binding]:.0f} %"
+    return (
+        f"The binding requirement is {REQUIREMENTS[option.binding]}: {used} of what is allowed is used up. No other "
+        "design found leaves its tightest requirement more room."
     )
 
 
@@ -108,7 +104,7 @@ def _relax(found: Optimised, option: Option, scale: LengthUnit) -> Iterator[str]
     design, wanted = option.design, found.wanted
     needed = {
         "u95": f"allow a U95 of {_length(design.u95, scale)} instead of {_length(wanted.budget, scale)}",
-        "length": f"allow a length of {_length(design.length, scale)} instead of {_length(wanted.crawler.length, scale)}",
+        "length": f"give it {_length(design.length, scale)} of length, not {_length(wanted.crawler.length, scale)}",
         "deflection": f"measure no smaller radius than {_length(design.smallest_radius, scale)} instead of "
         f"{_length(wanted.smallest_wanted, scale)}",
         "occlusion": f"accept an occlusion angle of {np.degrees(design.occlusion):.0f} deg",
@@ -121,12 +117,13 @@ def _relax(found: Optimised, option: Option, scale: LengthUnit) -> Iterator[str]
 
 def _compared(found: Optimised, option: Option, scale: LengthUnit) -> str:
     best, one = found.recommended.design, option.design
-    ratio, longer = one.u95 / best.u95, one.length - best.length
+    longer = one.length - best.length
     length = f"{_length(abs(longer), scale)} {'longer' if longer > 0 else 'shorter'}"
+    u95 = f"{one.u95 / best.u95:.2g} times that U95 ({_length(one.u95, scale)})"
     verdict = "it meets all requirements" if option.meets else f"it misses {' and '.join(_missed(option))}"
     return (
-        f"The best {one.candidate.configuration} rig has {ratio:.2g} times that U95 ({_length(one.u95, scale)}), is {length}, "
-        f"measures down to {_length(one.smallest_radius, scale)} at an occlusion angle of "
+        f'The best {one.candidate.configuration} rig, with the camera "{one.candidate.camera.name}", has {u95}, is '
+        f"{length}, measures radii down to {_length(one.smallest_radius, scale)} at an occlusion angle of "
         f"{np.degrees(one.occlusion):.0f} deg; {verdict}."
     )
 
@@ -154,10 +151,7 @@ def _missed(option: Option) -> list[str]:
     return [REQUIREMENTS[name] for name in _missed_names(option)]
 
 
-def _share(demand: float) -> str:
-    return f"{100 * demand:.0f} %"
-
-
 def _length(value: float, scale: LengthUnit) -> str:
-    """Three digits, and hundredths of a millimetre at least."""
-    return f"{value / scale.metres:.3g} {scale.symbol}"
+    """Three digits, four from 100 on."""
+    number = value / scale.metres
+    return f"{number:.{3 if number < 100 else 4}g} {scale.symbol}"

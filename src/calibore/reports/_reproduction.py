@@ -20,9 +20,10 @@ from calibore.published import MEANINGS, PICTURES, Reproduction, Verdict, reprod
 
 FORMAT, PAGE, FACTS = "calibore-reproduction/1", "reproduction.html", "reproduction.json"
 SOURCE = (
-    "M. K. Swanbom, Uncertainty and error in laser triangulation measurements for pipe profiling, doctoral dissertation, "
-    "Louisiana Tech University, 2007"
+    "M. K. Swanbom, Uncertainty and error in laser triangulation measurements for pipe profiling, doctoral "
+    "dissertation, Louisiana Tech University, 2007"
 )
+ROUNDING = 1e-12
 HOLDS = {True: "holds", False: "does not hold", None: "in part"}
 Progress = Callable[[int, int], None]
 Plain = dict[str, Any]
@@ -80,7 +81,6 @@ def _draw(number: int, folder: Path) -> Plain:
     picture = PICTURES[number]()
     figure = published_picture(picture)
     files = [save_picture(figure, folder / f"{picture.name}.png").name]
-    figure.set_layout_engine("none")  # the places are settled: laying out again would take as long as drawing
     files.append(save_vector(figure, folder / f"{picture.name}.svg").name)
     claims = [{"says": claim.says, "holds": claim.holds, "ours": claim.ours} for claim in picture.claims]
     return {
@@ -142,7 +142,9 @@ def _row(one: Reproduction) -> dict[str, str]:
         "what": value.what,
         "published": shown,
         "ours": f"{one.ours:.6g}",
-        "difference": "" if one.difference is None else f"{one.difference:+.2g}",
+        "difference": ""
+        if one.difference is None
+        else f"{one.difference if abs(one.difference) > ROUNDING else 0:+.2g}",
         "unit": value.unit,
         "verdict": str(one.verdict),
         "note": " ".join(part for part in (value.contradiction, value.note) if part),

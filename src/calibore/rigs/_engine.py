@@ -25,7 +25,7 @@ DEFAULT_KERNEL = "numpy" if engine is None else "native"
 SURFACES: tuple[type[LaserSurface], ...] = (Plane, Cone, Sheet, Beam)
 LAWS = ("perspective", "stereographic", "equidistant", "sine-law", "equisolid-angle")
 CAMERA = tuple(f"camera.{name}" for name in ("k", "c1", "c2", "aspect", "principal_point_u", "principal_point_v"))
-SURFACE_NUMBERS, MOUNT_NUMBERS = 8, 12
+SURFACE_NUMBERS, MOUNT_NUMBERS = 7, 2
 
 
 class Make(NamedTuple):
@@ -81,7 +81,7 @@ def known_of(rig: Rig, laser: int) -> tuple[Make, Array, Array]:
 
 
 def modes_of(rig: Rig, laser: int) -> Array:
-    """(m, 26): how the engine's numbers of surface, mount and camera move together, by one standard uncertainty each."""
+    """(m, 15): how the engine's numbers of surface, mount and camera move together, by one standard uncertainty each."""
     covariance = rig.covariance or Covariance.independent({})
     names = names_of(rig, laser)
     known = [name for name in names if name in covariance.names]
@@ -93,19 +93,18 @@ def modes_of(rig: Rig, laser: int) -> Array:
 
 
 def _numbers_by_parameters(rig: Rig, laser: int) -> Array:
-    """(26, p)."""
+    """(15, p)."""
     surface = rig.lasers[laser].surface
     q, m = len(surface.parameter_names), len(rig.mount.parameter_names)
     derivatives = np.zeros((SURFACE_NUMBERS + MOUNT_NUMBERS + len(CAMERA), q + m + len(CAMERA)))
     derivatives[:SURFACE_NUMBERS, :q] = _surface_by_parameters(surface)
-    rotation, translation = rig.mount.gradient()
-    derivatives[SURFACE_NUMBERS:-6, q : q + m] = np.hstack([rotation.reshape(m, 9), translation]).T
-    derivatives[-6:, -6:] = np.eye(6)
+    derivatives[SURFACE_NUMBERS : SURFACE_NUMBERS + m, q : q + m] = np.eye(m)
+    derivatives[-len(CAMERA) :, -len(CAMERA) :] = np.eye(len(CAMERA))
     return derivatives
 
 
 def _surface_by_parameters(surface: Any) -> Array:
-    """(8, q): normal and level of flat surfaces; apex, axis and half angle of cones."""
+    """(7, q): normal and level of flat surfaces; apex, axis and half angle of cones."""
     rows = np.zeros((SURFACE_NUMBERS, len(surface.parameter_names)))
     if not isinstance(surface, Cone):
         rows[:3], rows[3] = surface.normal_by_parameters, surface.level_by_parameters

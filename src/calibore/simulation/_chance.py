@@ -5,7 +5,7 @@ import numpy as np
 from calibore.geometry import Pose
 from calibore.lasers import Beam, Cone, Plane
 from calibore.rigs import Rig, SideFacing
-from calibore.simulation._moved import moved
+from calibore.rigs._moving import moved
 from calibore.simulation._parts import Dent, Harmonic, LateralOpening, Ovality, Rail, Roughness, WallPart
 from calibore.simulation._survey import head_pose
 from calibore.simulation._wall import PipeWall

@@ -18,7 +18,7 @@ from calibore.simulation._wall import PipeWall
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-SETTLED = 1e-15  # rad of the fan
+SETTLED = 1e-13  # rad of the fan
 REACHED = 1e-6  # rad or px; what remains further away was leapt over
 
 

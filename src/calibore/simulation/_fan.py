@@ -9,14 +9,15 @@ from calibore.errors import InputError
 from calibore.geometry import Pose
 from calibore.lasers import Cone, LaserSurface, Plane, Sheet
 from calibore.rigs import Rig
-from calibore.simulation._roots import bracketed_roots
+from calibore.simulation._roots import Function, bracketed_roots
 from calibore.simulation._wall import PipeWall
 
 Array = NDArray[np.float64]
 
 SETTLED = 1e-13  # m
-STEPS = 96  # between the radii that hold all of the wall, to find the first of several walls in line
+STRIDE, MOST_STRIDES = 0.008, 400  # nominal radii: how densely a ray is searched for the first of several walls in line
 FARTHEST = 30.0  # nominal radii; light that meets no wall up to here meets none
+AT_ONCE = 2000  # points of rays looked at in one call
 SPARE = 1e-6  # of the nominal radius, so that rounding puts no wall outside those radii
 HALF_SHEET = np.radians(60.0)  # of the fan of a side-facing laser, wider than its camera sees
 
@@ -96,18 +97,30 @@ def _distance(wall: PipeWall, source: Array, rays: Array) -> Array:
 
     spare = SPARE * wall.nominal_radius
     start = _leaves(source, rays, wall.clearance - spare, wall.nominal_radius)
-    step = (_leaves(source, rays, wall.extent + spare, wall.nominal_radius) - start) / STEPS
-    reached = np.zeros(start.size, dtype=np.intp)
-    open_ = np.arange(start.size)
-    for n in range(1, STEPS + 1):
-        inside = depth(start[open_] + n * step[open_], open_) > 0
-        reached[open_[inside]] = n
-        open_ = open_[~inside]
+    length = _leaves(source, rays, wall.extent + spare, wall.nominal_radius) - start
+    strides = np.clip(np.ceil(length / (STRIDE * wall.nominal_radius)), 4, MOST_STRIDES).astype(np.intp)
+    step = length / strides
+    reached = _strides_in_the_open(depth, start, step, strides)
     met = np.flatnonzero(reached)
     low = start[met] + (reached[met] - 1) * step[met]
     distance = np.full(start.size, np.nan)
     distance[met] = bracketed_roots(lambda x, i: depth(x, met[i]), low, low + step[met], settled=SETTLED)
     return distance
+
+
+def _strides_in_the_open(depth: Function, start: Array, step: Array, strides: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Number (n,) of the first of `strides` (n,) steps that ends inside the wall; 0 where none does."""
+    reached, open_, taken = np.zeros(start.size, dtype=np.intp), np.arange(start.size), 0
+    while open_.size:
+        numbers = taken + 1 + np.arange(max(AT_ONCE // open_.size, 1))
+        index = np.repeat(open_, numbers.size)
+        inside = depth(start[index] + np.tile(numbers, open_.size) * step[index], index) > 0
+        inside = inside.reshape(open_.size, numbers.size)
+        hit = inside.any(axis=1)
+        reached[open_[hit]] = numbers[inside.argmax(axis=1)[hit]]
+        taken = int(numbers[-1])
+        open_ = open_[~hit & (strides[open_] > taken)]
+    return reached
 
 
 def _leaves(source: Array, rays: Array, radius: float, nominal_radius: float) -> Array:

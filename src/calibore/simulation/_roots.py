@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 Function = Callable[[Array, NDArray[np.intp]], Array]
 
 MOST_ROUNDS = 160
-HALVED_EVERY = 4  # rounds, so that a kink or a jump costs no more than four times bisection
+HALVED_EVERY = 3  # rounds, so that a kink or a jump costs no more than three times bisection
 
 
 def bracketed_roots(function: Function, low: Array, high: Array, *, settled: float) -> Array:
