@@ -15,13 +15,13 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
-PACKAGES = ("calibore", "numpy", "opencv-python-headless")
-PARTS = ("kernel", "end_to_end_one", "end_to_end_two", "startup")
+PACKAGES = ("calibore", "numpy", "opencv-python-headless", "uncertainties")
+PARTS = ("kernel", "triangulation", "end_to_end_one", "end_to_end_two", "startup")
 
 
 def part(name: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
-    from benchmarks import end_to_end, every_rig, kernel, startup, studies, timing
+    from benchmarks import end_to_end, every_rig, kernel, startup, studies, timing, triangulation
 
     if name in ("kernel", "end_to_end_one"):
         timing.pin_to_one_core()
@@ -30,6 +30,7 @@ def part(name: str) -> list[str]:
         "end_to_end_one": lambda: end_to_end.report(1),
         "end_to_end_two": lambda: end_to_end.report(2),
         "startup": startup.report,
+        "triangulation": triangulation.report,
         "coverage": studies.coverage,
         "ovality": studies.ovality,
         "every_rig": every_rig.report,

@@ -11,8 +11,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Inputs:
-    """`geometry`: baseline, aim, half angle of a cone; baseline and two slopes of a plane. `k` [px/rad], `factor` (4, 4)
-    of the covariance of geometry and k, `centre` (u, v) and `u_pixel` [px], `radius` near which the wall is.
+    """`geometry`: baseline, aim, half angle of a cone; baseline and two slopes of a plane. `k` [px/rad]; `factor`
+    (4, 4) of the covariance of geometry and k; `centre` (u, v) and `u_pixel` [px]; `radius` near which the wall is.
     """
 
     geometry: tuple[float, float, float]
@@ -133,4 +133,6 @@ def _cone_distance(sine, cosine, cos_azimuth, sin_azimuth, geometry, wall, funct
     sum_ = linear - cos_half * sqrt(disc)
     near = baseline * (sin_aim**2 - cos_half**2) / sum_
     far = baseline * sum_ / ((cos_aim * cosine - sin_aim * across) ** 2 - cos_half**2)
-    return min((t for t in (near, far) if t.n > 0), key=lambda t: abs(np.log(t.n * sine.n / wall)), default=near * np.nan)
+    return min(
+        (t for t in (near, far) if t.n > 0), key=lambda t: abs(np.log(t.n * sine.n / wall)), default=near * np.nan
+    )

@@ -8,7 +8,6 @@ from calibore.design import (
     Study,
     lit_points,
     misalignments,
-    moved,
     occlusion,
     plane_rig,
     ring_clocks,
@@ -17,6 +16,7 @@ from calibore.design import (
     source_of,
 )
 from calibore.errors import InputError
+from calibore.rigs import moved
 
 
 @pytest.mark.parametrize("baseline", [0.5, 1.0, 2.0, 5.0])

@@ -17,7 +17,6 @@ from calibore.design import (
     combine_lasers,
     cone_rig,
     image_map,
-    moved,
     plane_rig,
     predict,
     predict_on_wall,
@@ -26,7 +25,7 @@ from calibore.design import (
     side_rig,
 )
 from calibore.errors import InputError
-from calibore.rigs import SideFacing, triangulate
+from calibore.rigs import SideFacing, moved, triangulate
 
 SHARED = Path(__file__).parents[2].parent / "shared"
 SURE = 40.0

@@ -134,7 +134,7 @@ def test_a_ray_that_is_none_meets_nothing():
     meetings = cone.meet(np.zeros(3), np.full((1, 3), np.nan))
     assert meetings.flags.dtype == np.uint8
     assert meetings.flags.tolist() == [[0], [0]]
-    assert np.isnan(cone.frontier(np.zeros(3), np.full((1, 3), np.nan)).value).all()
+    assert np.isnan(cone.frontier(np.zeros(3), np.full((1, 3), np.nan)).value[0]).all()
 
 
 def test_the_gradient_on_the_cone_has_the_length_of_the_sine_of_its_half_angle():

@@ -12,7 +12,7 @@ WIDTH, HEIGHT = 640, 480
 
 
 def random_rig(rng, kind):
-    """(rig, laser, prior radius): any of five laws, half of them with a residual, everything uncertain and correlated."""
+    """(rig, laser, prior radius): any of five laws, half with a residual, everything uncertain and correlated."""
     size = float(np.exp(rng.uniform(np.log(0.05), np.log(0.5))))
     surfaces, mount, laser = _surfaces(rng, kind, size), FORWARD, 1 if kind == "dual" else 0
     if kind == "sheet":

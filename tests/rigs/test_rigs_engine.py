@@ -67,9 +67,7 @@ def test_the_number_of_threads_changes_no_byte():
     rng = np.random.default_rng(4)
     rig, laser, size = random_rig(rng, "cone")
     u, v = random_pixels(rng, 30_011)
-    one, three = (
-        measure(rig, u, v, u_pixel=0.4, laser=laser, prior_radius=size, threads=n) for n in (1, 3)
-    )
+    one, three = (measure(rig, u, v, u_pixel=0.4, laser=laser, prior_radius=size, threads=n) for n in (1, 3))
     for field in fields(one):
         assert getattr(one, field.name).tobytes() == getattr(three, field.name).tobytes()
 

@@ -95,6 +95,35 @@ def test_the_margin_near_the_frontier_is_that_of_the_equation_book(degrees, publ
     assert ours[0] == pytest.approx(published, rel=0.005)  # theirs from 200 000 draws
 
 
+@pytest.mark.parametrize("degrees", [60, 30, 11, 8, -4, -8, -14, -20, -40, -60])
+def test_the_margin_tells_the_second_order_term_of_the_radius(degrees):
+    """1 / (4 margin) against 1/2 tr(H V) / u from second differences; near the fold the distance to it is less."""
+    inputs = np.array([0.5, 1.0])
+
+    def radius(change):
+        """Of the ray of the wall point, and of the rig, both moved by (baseline, projection, u, v)."""
+        cone = Cone.for_ring(*(inputs + change[:2]), 1.0)
+        moved = Rig("single-cone", rig.camera, (Laser(cone),))
+        return triangulate(moved, u + change[2], v + change[3], branch=branch).radius[0]
+
+    rig = cone_rig(0.5, 1.0)
+    known = rig.with_default_uncertainty(1.0).covariance
+    rig = rig.knowing(Covariance(known.names, 3 * known.matrix))
+    clock = np.pi / 2 - np.radians(-1.827503008673351 + degrees)
+    feet = np.array([[np.sin(clock), -np.cos(clock), 0.0]])
+    meeting = rig.lasers[0].surface.meet(feet, np.array([[0.0, 0, 1]]))
+    u, v = rig.project(feet + np.nanmax(meeting.distance) * np.array([[0.0, 0, 1]]))
+    branch = triangulate(rig, u, v, prior_radius=1.0).branch
+    spread, step = np.array([1e-3, 1e-3, 1.0, 1.0]), 0.02
+    moves = step * np.diag(spread)
+    slope = np.array([radius(m) - radius(-m) for m in moves]) / (2 * step)
+    bend = np.array([radius(m) - 2 * radius(0 * m) + radius(-m) for m in moves]) / step**2
+    second_order = abs(bend.sum()) / 2 / np.linalg.norm(slope)
+    ours = margin(rig, u, v, branch=branch, u_pixel=1.0)[0]
+    assert ours <= 1.35 / (4 * second_order)
+    assert ours >= 0.75 / (4 * second_order) or 8 <= degrees <= 30  # there the far meeting is straight for so near a fold
+
+
 @pytest.mark.parametrize(("case", "laser"), [("cone-single", 0), ("cone-dual", 0), ("cone-dual", 1)])
 def test_the_independent_renderer_sees_the_same_points_of_a_cone(case, laser):
     if not SIMULATED.is_dir():

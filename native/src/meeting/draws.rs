@@ -2,7 +2,6 @@
 
 use super::intervals::intervals;
 use super::lanes::{Lanes, Mask, LANES};
-use super::measure::square_from_axis;
 use super::mount::{Mount, Ray};
 use super::random::Stream;
 use super::rig::{Make, Rig};
@@ -118,9 +117,9 @@ fn met<S: Surface, M: Mount>(make: &Make, rig: &Rig<S, M>, pixel: (Lanes, Lanes)
     let ray = Ray::of(&sight, &rig.mount);
     let [first, second] = rig.surface.meet(&ray);
     let meeting = if far { second } else { first };
-    let here = meeting.exists & !meeting.behind & sight.seen & meeting.distance.is_finite();
+    let here = meeting.ahead() & sight.seen;
     let point = ray.point(meeting.distance);
-    (square_from_axis(point).sqrt(), point[2], here)
+    (rig.mount.radius(&sight, meeting.distance, point), point[2], here)
 }
 
 /// The meeting with one rig, without noise; 0 where there is none.

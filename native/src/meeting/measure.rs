@@ -4,7 +4,7 @@ use super::camera::Sight;
 use super::functions::clock;
 use super::lanes::{dot, Lanes, Mask, Vector, LANES};
 use super::modes::{Mode, Motion};
-use super::mount::{Mount, Ray};
+use super::mount::{square_from_axis, Mount, Ray};
 use super::rig::{Make, Rig};
 use super::surface::{Contact, Meeting, Surface};
 
@@ -70,7 +70,7 @@ pub fn measure<S: Surface, M: Mount>(make: &Make, rig: &Rig<S, M>, modes: &[Mode
     let distance = measured.choose(meeting.distance, Lanes::NAN);
     let contact = rig.surface.contact(&ray, distance);
     let point = ray.point(distance);
-    let radius = square_from_axis(point).sqrt();
+    let radius = rig.mount.radius(&sight, distance, point);
     let [zenith, azimuth] = sight.turns();
     let turns = [rig.mount.turn(zenith), rig.mount.turn(azimuth)];
     let per_radius = Lanes::ONE / radius;
@@ -99,11 +99,6 @@ pub fn measure<S: Surface, M: Mount>(make: &Make, rig: &Rig<S, M>, modes: &[Mode
         measured.choose(common_axial.sqrt(), Lanes::NAN),
     ];
     Point { columns, status }
-}
-
-#[inline(always)]
-pub fn square_from_axis(point: Vector) -> Lanes {
-    point[0].fused(point[0], point[1] * point[1])
 }
 
 /// A part of a vector.
@@ -166,7 +161,7 @@ impl Slope {
     }
 }
 
-/// Of two meetings the admissible one that is nearer to the radius, or one that at least exists.
+/// Of two meetings the one ahead that is nearer to the radius, or one that at least exists.
 #[inline(always)]
 fn chosen(meetings: &[Meeting; 2], ray: &Ray, choice: Choice, from: usize, twice: bool) -> Meeting {
     let [near, far] = meetings;
@@ -178,7 +173,7 @@ fn chosen(meetings: &[Meeting; 2], ray: &Ray, choice: Choice, from: usize, twice
         Choice::Nearest(prior) => {
             let prior = prior.at(from);
             let squares = [square_from_axis(ray.point(near.distance)), square_from_axis(ray.point(far.distance))];
-            let usable = [near.admissible() & squares[0].more(Lanes::ZERO), far.admissible() & squares[1].more(Lanes::ZERO)];
+            let usable = [near.ahead() & squares[0].more(Lanes::ZERO), far.ahead() & squares[1].more(Lanes::ZERO)];
             // |log| of the ratio of the larger square to the prior, less that of the smaller one
             let farther = squares[1].more(squares[0]);
             let product_beyond = (squares[0] * squares[1]).more(prior.squared() * prior.squared());

@@ -15,6 +15,9 @@ pub trait Mount: Copy + Send + Sync {
 
     fn origin(&self) -> Vector;
 
+    /// How far the point at `distance` is from the axis of the rig.
+    fn radius(&self, sight: &Sight, distance: Lanes, point: Vector) -> Lanes;
+
     /// How the end of an arrow at `distance` moves with `motion` of the parameters.
     fn moved(&self, motion: [f64; 2], arrow: Vector, distance: Lanes) -> Vector;
 }
@@ -39,6 +42,11 @@ impl Mount for Forward {
     #[inline(always)]
     fn origin(&self) -> Vector {
         [Lanes::ZERO; 3]
+    }
+
+    #[inline(always)]
+    fn radius(&self, sight: &Sight, distance: Lanes, _: Vector) -> Lanes {
+        distance.abs() * sight.sine
     }
 
     #[inline(always)]
@@ -76,11 +84,21 @@ impl Mount for SideFacing {
     }
 
     #[inline(always)]
+    fn radius(&self, _: &Sight, _: Lanes, point: Vector) -> Lanes {
+        square_from_axis(point).sqrt()
+    }
+
+    #[inline(always)]
     fn moved(&self, motion: [f64; 2], arrow: Vector, distance: Lanes) -> Vector {
         let ([x, _, z], turned) = (arrow, distance * Lanes::all(motion[1]));
         let sideways = -(self.sine.fused(x, self.cosine * z) * turned);
         [sideways + Lanes::all(motion[0]), self.cosine.fused(x, -(self.sine * z)) * turned, Lanes::ZERO]
     }
+}
+
+#[inline(always)]
+pub fn square_from_axis(point: Vector) -> Lanes {
+    point[0].fused(point[0], point[1] * point[1])
 }
 
 /// A ray in the frame of the rig.

@@ -40,6 +40,11 @@ pub struct Meeting {
 
 impl Meeting {
     #[inline(always)]
+    pub fn ahead(&self) -> Mask {
+        self.exists & !self.behind & self.distance.is_finite()
+    }
+
+    #[inline(always)]
     pub fn admissible(&self) -> Mask {
         self.exists & !self.grazing & !self.behind
     }

@@ -31,7 +31,6 @@ from calibore.design._deployment import Deployment, deployment, longest_body, ri
 from calibore.design._fusion import Combined, combine_lasers
 from calibore.design._limits import Limits, measuring_limits
 from calibore.design._misalignment import Misalignment, misalignments
-from calibore.design._moved import moved
 from calibore.design._occlusion import Occlusion, Shadow, occlusion, shadows, source_of
 from calibore.design._optimise import Optimised, optimise
 from calibore.design._optimise_plain import PARETO_FORMAT, numbered, plain_optimisation
@@ -111,7 +110,6 @@ __all__ = [
     "maps_of",
     "measuring_limits",
     "misalignments",
-    "moved",
     "non_dominated",
     "numbered",
     "occlusion",

@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 from calibore.design._appraisal import RANGE
 from calibore.design._candidates import inputs_of
 from calibore.design._fusion import combine_lasers
-from calibore.design._moved import moved
 from calibore.design._optimise import Optimised
 from calibore.design._prediction import scan_direction
 from calibore.design._requirement import Requirement
 from calibore.design._ring import predict_ring, ring_clocks
 from calibore.design._wall import lit_points
-from calibore.rigs import Rig, meetings_of
+from calibore.rigs import Rig, meetings_of, moved
 
 Array = NDArray[np.float64]
 DRAWS, CLOCKS = 3000, 12

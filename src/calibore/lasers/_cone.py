@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import InputError
-from calibore.lasers._cone_frontier import frontiers_of_cone
+from calibore.lasers._cone_frontier import FOLDS, SECOND_ORDER, frontiers_of_cone
 from calibore.lasers._cone_meetings import meetings_with_cone
 from calibore.lasers._ring_angles import ring_angles
 from calibore.lasers._surface import Frontier, LaserSurface, Meetings
@@ -81,7 +81,7 @@ class Cone(LaserSurface):
         rows = frontiers_of_cone(arms, directions, axis=self.axis, half_angle=self.half_angle)
         by_parameters = rows.by_axis @ self._axis_by_parameters - rows.by_arm @ self._apex_by_parameters
         by_parameters[..., 2] += rows.by_half_angle
-        return Frontier(rows.value, rows.by_arm, rows.by_direction, by_parameters, rows.second_order)
+        return Frontier(rows.value, rows.by_arm, rows.by_direction, by_parameters, SECOND_ORDER, FOLDS)
 
     @property
     def _outwards(self) -> NDArray[Any]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from calibore.lasers._surface import GRAZING_SINE, Frontier, LaserSurface, MeetingFlag, Meetings
 
 RECEDING = 4.0  # distance = height / slope: its relative second-order term is u(slope) / slope = 1 / (4 margin)
+RECEDES, NO_FOLD = np.array([[RECEDING]]), np.array([False])
 
 
 class FlatSurface(LaserSurface):
@@ -63,4 +64,4 @@ class FlatSurface(LaserSurface):
         by_parameters = side[:, None] * (directions @ self.normal_by_parameters)
         value = side * (directions @ self.normal)
         none = np.zeros_like(by_direction)
-        return Frontier(value[None], none[None], by_direction[None], by_parameters[None], np.array([[RECEDING]]))
+        return Frontier(value[None], none[None], by_direction[None], by_parameters[None], RECEDES, NO_FOLD)

@@ -41,9 +41,11 @@ class Meetings:
 class Frontier:
     """Functions of n rays that fall to 0 where a meeting ceases to exist, with their derivatives.
 
-    `value` (k, n); `by_origin`, `by_direction` (k, n, 3); `by_parameters` (k, n, q); `second_order` (k, m): the margin
-    of meeting j is the least over k of value_k / (second_order[k, j] u(value_k)), rows of second order 0 left out. A
-    value is infinite, and its derivatives are 0, where that frontier does not concern the ray.
+    `value` (k, n); `by_origin`, `by_direction` (k, n, 3); `by_parameters` (k, n, q). `second_order` (k, m): the sum over
+    k of second_order[k, j] u(value_k) / value_k is four times the relative second-order term of meeting j, signs
+    included; 0 where a row does not concern a meeting. `folds` (k,): whether two meetings become one there, so that the
+    distance to it, value_k / u(value_k), counts by itself. A value is infinite, and its derivatives are 0, where that
+    frontier does not concern the ray.
     """
 
     value: NDArray[Any]
@@ -51,6 +53,7 @@ class Frontier:
     by_direction: NDArray[Any]
     by_parameters: NDArray[Any]
     second_order: NDArray[np.float64]
+    folds: NDArray[np.bool_]
 
 
 class LaserSurface(ABC):

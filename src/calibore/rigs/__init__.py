@@ -6,14 +6,20 @@
 `triangulate`    pixels to wall points, with sensitivities to pixel and parameters
 `meetings_of`, `follow_stripe`   all meetings of the rays, and which of them a stripe is made of
 `margin`         how far a meeting is from where first-order uncertainty, or the meeting itself, ceases to be
+`measure`        -> `Measured`: millions of pixels to wall points with uncertainty, by the compiled engine
+`monte_carlo`    -> `Drawn`: the same by random draws of pixels and rig, near frontiers too
+`moved`          the same rig with other values of its parameters
 `project_ring`   where a round wall would appear in the image
 """
 
 from calibore.rigs._candidates import Candidates, follow_stripe, meetings_of
 from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 from calibore.rigs._defaults import DEFAULT_LENGTH_LIMIT
+from calibore.rigs._drawing import Drawn, DrawnQuantity, monte_carlo
 from calibore.rigs._margin import margin
+from calibore.rigs._measuring import Measured, measure
 from calibore.rigs._mount import FORWARD, Forward, Mount, SideFacing
+from calibore.rigs._moving import moved
 from calibore.rigs._reading import read_rig
 from calibore.rigs._rig import CHANNELS, Laser, Rig
 from calibore.rigs._ring import project_ring
@@ -27,8 +33,11 @@ __all__ = [
     "FORWARD",
     "Candidates",
     "Configuration",
+    "Drawn",
+    "DrawnQuantity",
     "Forward",
     "Laser",
+    "Measured",
     "Mount",
     "Rig",
     "Sensitivities",
@@ -36,7 +45,10 @@ __all__ = [
     "Triangulation",
     "follow_stripe",
     "margin",
+    "measure",
     "meetings_of",
+    "monte_carlo",
+    "moved",
     "project_ring",
     "read_rig",
     "triangulate",

@@ -81,7 +81,7 @@ def known_of(rig: Rig, laser: int) -> tuple[Make, Array, Array]:
 
 
 def modes_of(rig: Rig, laser: int) -> Array:
-    """(m, 15): how the engine's numbers of surface, mount and camera move together, by one standard uncertainty each."""
+    """(m, 15): how numbers of surface, mount and camera move together, by one standard uncertainty each."""
     covariance = rig.covariance or Covariance.independent({})
     names = names_of(rig, laser)
     known = [name for name in names if name in covariance.names]

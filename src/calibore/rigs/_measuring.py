@@ -1,4 +1,4 @@
-"""Pixels to wall points with uncertainty, for millions of points: the compiled form of `triangulate` and `propagate`."""
+"""Millions of pixels to wall points with uncertainty: the compiled form of `triangulate` and `propagate`."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -100,7 +100,8 @@ def _by_numpy(
     def parts(sensitivities: Sensitivities) -> tuple[Array, Array]:
         by_pixel = sensitivities.pixel
         slope = np.linalg.norm(by_pixel, axis=1) if directions is None else np.abs(_along(by_pixel, directions))
-        return slope * noise, propagate(sensitivities.parameters, covariance, names=points.parameter_names).u
+        common = propagate(sensitivities.parameters, covariance, names=points.parameter_names).u
+        return slope * noise, np.where(np.isnan(slope), np.nan, common)
 
     radius, axial = parts(points.radius_sensitivities), parts(points.axial_sensitivities)
     return Measured(points.radius, points.axial, points.clock, *radius, *axial, points.status)

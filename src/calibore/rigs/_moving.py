@@ -15,7 +15,7 @@ PRINCIPAL_POINT = ("principal_point_u", "principal_point_v")
 
 
 def moved(rig: Rig, changes: Mapping[str, float]) -> Rig:
-    """`rig` with `changes` [SI, px] added to the parameters they name (see `Rig.parameter_names`); its covariance stays.
+    """`rig` with `changes` [SI, px] added to the parameters they name (`Rig.parameter_names`); its covariance stays.
 
     Raises InputError where a name is unknown or the changed rig cannot be.
     """
@@ -28,7 +28,7 @@ def moved(rig: Rig, changes: Mapping[str, float]) -> Rig:
         replace(laser, surface=_surface(laser.surface, _of(changes, rig.laser_table(number))))
         for number, laser in enumerate(rig.lasers)
     )
-    mount = _added(rig.mount, {name: change for name, change in _of(changes, "laser").items()}, rig.mount.parameter_names)
+    mount = _added(rig.mount, _of(changes, "laser"), rig.mount.parameter_names)
     return replace(rig, lasers=lasers, mount=mount, camera=_camera(rig.camera, _of(changes, "camera")))
 
 
@@ -61,7 +61,9 @@ def _camera(camera: Camera, changes: Mapping[str, float]) -> Camera:
     lens = _added(camera.lens, changes, ("k", "c1", "c2"))
     if camera.lens.polynomial:
         lens = replace(lens, polynomial=_powers(lens.polynomial, changes, "polynomial", first=3))
-    centre = [value + changes.get(name, 0.0) for value, name in zip(camera.principal_point, PRINCIPAL_POINT, strict=True)]
+    centre = [
+        value + changes.get(name, 0.0) for value, name in zip(camera.principal_point, PRINCIPAL_POINT, strict=True)
+    ]
     walk = _powers(camera.pupil_walk, changes, "pupil_walk", first=2)
     port = camera.port
     if port is not None:
