@@ -121,7 +121,7 @@ def test_the_margin_tells_the_second_order_term_of_the_radius(degrees):
     second_order = abs(bend.sum()) / 2 / np.linalg.norm(slope)
     ours = margin(rig, u, v, branch=branch, u_pixel=1.0)[0]
     assert ours <= 1.35 / (4 * second_order)
-    assert ours >= 0.75 / (4 * second_order) or 8 <= degrees <= 30  # there the far meeting is straight for so near a fold
+    assert ours >= 0.75 / (4 * second_order) or 8 <= degrees <= 30  # the far one is straight there
 
 
 @pytest.mark.parametrize(("case", "laser"), [("cone-single", 0), ("cone-dual", 0), ("cone-dual", 1)])

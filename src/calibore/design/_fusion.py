@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from calibore.design._assumptions import Rule
 from calibore.design._prediction import Prediction
 from calibore.errors import InputError
-from calibore.uncertainty import MEASURABLE_ABOVE
+from calibore.uncertainty import MEASURABLE_ABOVE, least_variance_weights
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,9 @@ def combine_lasers(
     usable = np.stack([at & np.isfinite(one.u_radius) for at, one in zip(seen, predictions, strict=True)])
     independent = np.where(usable, np.stack([one.of_radius.independent for one in predictions]), 0.0)
     modes = np.where(usable[:, None], np.stack([one.of_radius.modes for one in predictions]), 0.0)
-    weights = _best(usable, independent, modes) if rule == "best" else _least(usable, independent, modes)
+    weights = (
+        _best(usable, independent, modes) if rule == "best" else least_variance_weights(independent, modes, usable)
+    )
     none = ~usable.any(axis=0)
     parts = np.sqrt(np.square(weights * independent).sum(axis=0))
     shared = np.sqrt(np.square(np.einsum("l...,lm...->m...", weights, modes)).sum(axis=0))
@@ -56,19 +58,3 @@ def _best(usable: NDArray[np.bool_], independent: Array, modes: Array) -> Array:
     variance = np.where(usable, independent**2 + np.square(modes).sum(axis=1), np.inf)
     chosen = np.argmin(variance, axis=0)
     return (np.arange(len(usable)).reshape(-1, *(1,) * chosen.ndim) == chosen) & usable
-
-
-def _least(usable: NDArray[np.bool_], independent: Array, modes: Array) -> Array:
-    """V^-1 1 / (1' V^-1 1) at every place, V the covariance of the lasers that measure there."""
-    lasers = len(usable)
-    covariance = np.einsum("im...,jm...->...ij", modes, modes)
-    diagonal = np.arange(lasers)
-    covariance[..., diagonal, diagonal] += np.moveaxis(independent**2, 0, -1)
-    here = np.moveaxis(usable, 0, -1)
-    covariance[..., diagonal, diagonal] = np.where(here, covariance[..., diagonal, diagonal], 1.0)
-    scale = np.sqrt(covariance[..., diagonal, diagonal])
-    scale = np.where(scale > 0, scale, 1.0)
-    correlation = covariance / scale[..., :, None] / scale[..., None, :] + 1e-12 * np.eye(lasers)
-    raw = np.linalg.solve(correlation, (here / scale)[..., None])[..., 0] / scale
-    total = np.where(here.any(axis=-1), (raw * here).sum(axis=-1), 1.0)
-    return np.moveaxis(raw * here / total[..., None], -1, 0)

@@ -10,7 +10,7 @@ from calibore.lasers._flat import RECEDING
 
 FOLDING = 1.0  # distance = middle -+ root of the discriminant: its relative second-order term is 1 / (4 margin)
 SECOND_ORDER = np.array([[FOLDING, FOLDING], [0.0, -RECEDING], [RECEDING, 0.0]])
-"""Towards the fold the near meeting hurries away and the far one comes nearer: one effect adds, the other compensates."""
+"""Near and far differ in sign: towards the fold one effect adds to the other, or compensates it."""
 FOLDS = np.array([True, False, False])
 
 

@@ -41,8 +41,8 @@ class Meetings:
 class Frontier:
     """Functions of n rays that fall to 0 where a meeting ceases to exist, with their derivatives.
 
-    `value` (k, n); `by_origin`, `by_direction` (k, n, 3); `by_parameters` (k, n, q). `second_order` (k, m): the sum over
-    k of second_order[k, j] u(value_k) / value_k is four times the relative second-order term of meeting j, signs
+    `value` (k, n); `by_origin`, `by_direction` (k, n, 3); `by_parameters` (k, n, q). `second_order` (k, m): the sum
+    over k of second_order[k, j] u(value_k) / value_k is four times the relative second-order term of meeting j, signs
     included; 0 where a row does not concern a meeting. `folds` (k,): whether two meetings become one there, so that the
     distance to it, value_k / u(value_k), counts by itself. A value is infinite, and its derivatives are 0, where that
     frontier does not concern the ray.

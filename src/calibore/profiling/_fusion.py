@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from calibore.profiling._grid import Ring
 from calibore.status import Status
+from calibore.uncertainty import least_variance_weights
 
 Array = NDArray[np.float64]
 DISAGREE = 3.0
@@ -26,15 +27,9 @@ def fuse_lasers(rings: Sequence[Ring]) -> Ring:
 
 
 def least_variance_weight(a: Ring, b: Ring) -> tuple[Array, Array]:
-    """Weight (n,) of `a` in the mean of least variance, within 0 ... 1, and the variance (n,) [m^2] of a - b.
-
-    With the covariance [[A, C], [C, B]], C from the modes only: weight = (B - C) / (A + B - 2 C).
-    """
-    shared = np.sum(a.modes * b.modes, axis=0)
-    less_a, less_b = _variance(a) - shared, _variance(b) - shared
-    spread = less_a + less_b
-    weight = np.divide(less_b, spread, out=np.full_like(spread, 0.5), where=spread > 0)
-    return np.clip(weight, 0.0, 1.0), spread
+    """Weight (n,) of `a` in the mean of least variance, within 0 ... 1, and the variance (n,) [m^2] of a - b."""
+    weights = least_variance_weights(np.stack([a.u, b.u]), np.stack([a.modes, b.modes]))
+    return weights[0], _variance(a) + _variance(b) - 2 * np.sum(a.modes * b.modes, axis=0)
 
 
 def share_of_first(a: Ring, b: Ring) -> Array:

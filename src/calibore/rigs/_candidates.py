@@ -19,10 +19,11 @@ EDGE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """`distance` (m, n) along n rays to the m meetings of each, their `flags` (m, n), `radius` (m, n) [m] from the rig axis.
+    """`distance` (m, n) along n rays to the m meetings of each, their `flags` (m, n), `radius` (m, n) [m] from the rig
+    axis.
 
-    NaN radius where there is no meeting ahead. Grazing ones are there: what the wall is does not depend on whether it can
-    be measured.
+    NaN radius where there is no meeting ahead. Grazing ones are there: what the wall is does not depend on whether it
+    can be measured.
     """
 
     distance: NDArray[Any]

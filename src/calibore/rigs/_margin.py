@@ -25,8 +25,8 @@ def margin(
 
     The least of the distance to a fold, value / u(value), and 1 / |sum of second_order u(value) / value| over all
     frontiers, so that the relative second-order term of the propagation is 1 / (4 margin): first order holds from 4 on
-    (docs/decisions/0005). `u_pixel` [px], a number or (n,): standard uncertainty of the pixel, along `direction` (n, 2),
-    or of u and of v each where no direction is given.
+    (docs/decisions/0005). `u_pixel` [px], a number or (n,): standard uncertainty of the pixel, along `direction`
+    (n, 2), or of u and of v each where no direction is given.
     """
     u, v = np.atleast_1d(np.asarray(u, dtype=float)), np.atleast_1d(np.asarray(v, dtype=float))
     rays = rig.mount.place_with_sensitivities(rig.camera.unproject_with_sensitivities(u, v))

@@ -8,6 +8,7 @@
 `budget`, `budget_of_mean`  -> `Budget`: which input contributes how much, common or independent
 `effective_degrees_of_freedom`, `coverage_factor`  from u to an expanded uncertainty
 `monte_carlo`   -> `MonteCarloResult`: draws until u has settled; intervals and regions of draws
+`least_variance_weights`   several measurements of one quantity made one
 `method_for`    -> `Method`: first order, Monte Carlo or not measurable, by the margin
 """
 
@@ -21,6 +22,7 @@ from calibore.uncertainty._monte_carlo import MonteCarloResult, monte_carlo
 from calibore.uncertainty._propagation import Propagation, propagate
 from calibore.uncertainty._quantity import Quantity
 from calibore.uncertainty._scores import Scores
+from calibore.uncertainty._weighting import least_variance_weights
 
 __all__ = [
     "FIRST_ORDER_FROM",
@@ -38,6 +40,7 @@ __all__ = [
     "coverage_factor",
     "effective_degrees_of_freedom",
     "ellipsoid_factor",
+    "least_variance_weights",
     "method_for",
     "monte_carlo",
     "propagate",
