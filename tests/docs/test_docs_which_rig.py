@@ -47,8 +47,8 @@ def row(kind):
     least = limits.everywhere[0]
     return [
         lengths,
-        f"{u.min():.2f} to {u.max():.2f} mm",
-        f"{common.max():.2f} mm",
+        f"{u.min():.2g} to {u.max():.2g} mm",
+        f"{common.max():.1g} mm",
         f"{100 * good.mean():.0f} %",
         "none" if np.isnan(least) else f"{1e3 * least:.0f} mm",
         f"{np.degrees(flattest):.0f}°",

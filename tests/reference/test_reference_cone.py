@@ -102,8 +102,7 @@ def test_the_labels_of_the_two_frontiers_are_swapped(rng):
         assert np.abs(book.denominator(touching, phi, **angles)).max() > 1e-3
         parallel = book.zenith_labelled_3_36(phi, **angles)
         frontier = cone.frontier(PUPIL, book.ray(parallel, phi))
-        at_infinity = np.where(np.isfinite(frontier.value[1]), frontier.value[1], frontier.value[2])
-        assert np.abs(at_infinity).max() < 1e-13
+        assert np.abs(frontier.value[1:]).min(axis=0).max() < 1e-12  # one of the meetings is at infinity
         assert np.abs(frontier.value[0]).max() > 1e-3
 
 
@@ -135,8 +134,7 @@ def test_the_ring_is_seen_edge_on_and_turns_near_where_the_equation_book_says(d,
         return cone.frontier(PUPIL, wall_rays(cone, np.radians([degrees]))).value[:, 0]
 
     def receding(degrees):
-        _, far, near = frontier(degrees)
-        return far if np.isfinite(far) else -near
+        return frontier(degrees)[1]
 
     def slope_of_touching(degrees):
         return frontier(degrees + 1e-3)[0] - frontier(degrees - 1e-3)[0]
@@ -169,4 +167,4 @@ def test_the_widest_ray_runs_along_the_invert_light_and_meets_the_crown_light_ha
         x, y, z = cone.meet(PUPIL, crown).distance[1, 0] * crown[0]
         np.testing.assert_allclose([x, -y, z], [0, (1 + d) / 2, length / 2], rtol=1e-12, atol=1e-12)
         value = cone.frontier(PUPIL, invert).value[1:, 0]
-        assert np.abs(value[np.isfinite(value)]).max() < 1e-15 * 10
+        assert np.abs(value).min() < 1e-14

@@ -273,12 +273,6 @@ MISTAKES = {
         '"spiral"',
         ("configuration = 'spiral'", "not known", "perpendicular-plane"),
     ),
-    "configuration of a later version": (
-        "rig.toml",
-        '"perpendicular-plane"',
-        '"single-cone"',
-        ("configuration = 'single-cone'", "it is known, but this version can only", "perpendicular-plane"),
-    ),
     "missing key": ("rig.toml", r"^k = 192.*\n", "", ("key camera.k is missing", "add it")),
     "missing radius": ("scan.toml", "^nominal_radius.*\n", "", ("key pipe.nominal_radius is missing", "add it")),
     "unknown key": ("scan.toml", r"\[motion\]", "[motion]\nspeed = 3", ("key motion.speed", "allowed here: angular")),

@@ -21,7 +21,7 @@ pub fn widest<W: Work>(work: W) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::is_x86_feature_detected as has;
-        if false && has!("fma") && has!("avx512f") && has!("avx512dq") && has!("avx512bw") && has!("avx512vl") {
+        if has!("fma") && has!("avx512f") && has!("avx512dq") && has!("avx512bw") && has!("avx512vl") {
             // SAFETY: the processor has what the function needs
             return unsafe { with_avx512(work) };
         }

@@ -1,6 +1,7 @@
 """Wall points by Monte Carlo (JCGM 101): pixel noise and rig drawn at random, near frontiers too."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,6 +53,22 @@ class Drawn:
     axial_draws: Array
 
 
+class Pixels(NamedTuple):
+    """n pixels, their `noise` [px], (1,) or (n,), and its direction, u and v apart."""
+
+    u: Array
+    v: Array
+    noise: Array
+    direction: tuple[Array, Array] | None
+
+    def scattered(self, rng: np.random.Generator) -> tuple[Array, Array]:
+        """One draw of u and v."""
+        along = rng.standard_normal(self.u.size) * self.noise
+        if self.direction is None:
+            return self.u + along, self.v + rng.standard_normal(self.u.size) * self.noise
+        return self.u + along * self.direction[0], self.v + along * self.direction[1]
+
+
 def monte_carlo(
     rig: Rig,
     u: ArrayLike,
@@ -79,26 +96,29 @@ def monte_carlo(
     u, v = (np.ascontiguousarray(np.atleast_1d(np.asarray(a, dtype=float))) for a in (u, v))
     if draws < FEWEST:
         raise InputError(f"Monte Carlo needs at least {FEWEST} draws, got {draws}; some 10 000 tell u within 1 %.")
-    noise, directions = native.each(u_pixel, u.size, what="u_pixel"), native.columns(direction, u.size)
+    pixels = Pixels(u, v, native.each(u_pixel, u.size, what="u_pixel"), native.columns(direction, u.size))
     branches = _branches(rig, u, v, laser=laser, prior_radius=prior_radius, branch=branch)
     covariance = rig.covariance or Covariance.independent({})
     seed, shifts = int(rng.integers(2**63)), covariance.draw(rng, draws)
     if native.is_native(kernel, rig, laser):
-        rows, kept = np.empty((u.size, SUMMARY)), np.empty(2 * u.size * draws if keep else 0)
+        room = 2 * u.size * draws if keep else 0
+        rows, kept = np.empty((u.size, SUMMARY)), np.empty(room)
         native.engine.draw_points(
             native.make_of(rig, laser, varied=covariance.names),
             native.values_of(rig, laser),
             _rigs(rig, laser, covariance.names, shifts),
-            *(u, v, branches.astype(float), noise, directions, seed, probability, threads or 0, rows, kept),
+            *(u, v, branches.astype(float), pixels.noise, pixels.direction),
+            *(seed, probability, threads or 0, rows, kept),
         )
-        drawn = kept.reshape(u.size, 2, draws if keep else 0).transpose(1, 0, 2)
+        radii, axials = kept.reshape(u.size, 2, -1 if room else 0).transpose(1, 0, 2)
     else:
-        scatter = _noise(np.random.default_rng(seed), noise, directions, (draws, u.size))
-        drawn = _draw(rig, u, v, branches, laser, covariance.names, shifts, scatter)
-        rows = np.array([_summary(*pair, probability) for pair in drawn.transpose(1, 0, 2)]).reshape(u.size, SUMMARY)
-    kept = drawn if keep else np.empty((2, u.size, 0))
-    radius, axial = (_quantity(rows, i) for i in (0, 1))
-    return Drawn(radius, axial, rows[:, 4], 1 - rows[:, 5] / draws, branches, draws, probability, kept[0], kept[1])
+        radii, axials = _drawn(rig, pixels, branches, laser, shifts, np.random.default_rng(seed))
+        rows = np.array([_summary(*pair, probability) for pair in zip(radii, axials, strict=True)])
+        rows = rows.reshape(u.size, SUMMARY)
+    radius, axial, lost = _quantity(rows, 0), _quantity(rows, 1), 1 - rows[:, 5] / draws
+    if not keep:
+        radii = axials = np.empty((u.size, 0))
+    return Drawn(radius, axial, rows[:, 4], lost, branches, draws, probability, radii, axials)
 
 
 def _branches(
@@ -120,35 +140,21 @@ def _rigs(rig: Rig, laser: int, names: tuple[str, ...], shifts: Array) -> Array:
     return rigs
 
 
-def _noise(
-    rng: np.random.Generator, noise: Array, directions: tuple[Array, Array] | None, shape: tuple[int, int]
+def _drawn(
+    rig: Rig, pixels: Pixels, branch: NDArray[np.intp], laser: int, shifts: Array, rng: np.random.Generator
 ) -> tuple[Array, Array]:
-    if directions is None:
-        return rng.standard_normal(shape) * noise, rng.standard_normal(shape) * noise
-    along = rng.standard_normal(shape) * noise
-    return along * directions[0], along * directions[1]
-
-
-def _draw(
-    rig: Rig,
-    u: Array,
-    v: Array,
-    branch: NDArray[np.intp],
-    laser: int,
-    names: tuple[str, ...],
-    shifts: Array,
-    scatter: tuple[Array, Array],
-) -> Array:
-    """(2, n, draws): radius and axial by `meet` of every drawn rig."""
-    drawn = np.full((2, u.size, len(shifts)), np.nan)
-    for number, (shift, du, dv) in enumerate(zip(shifts, *scatter, strict=True)):
+    """(n, draws) radius and axial, by `meet` of every drawn rig."""
+    names = rig.covariance.names if rig.covariance else ()
+    radii, axials = np.full((2, pixels.u.size, len(shifts)), np.nan)
+    for number, shift in enumerate(shifts):
+        u, v = pixels.scattered(rng)
         try:
             other = moved(rig, dict(zip(names, shift.tolist(), strict=True)))
         except InputError:  # no such rig: lost
             continue
-        points = points_on(other, u + du, v + dv, laser, branch)
-        drawn[0, :, number], drawn[1, :, number] = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
-    return drawn
+        points = points_on(other, u, v, laser, branch)
+        radii[:, number], axials[:, number] = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
+    return radii, axials
 
 
 def points_on(rig: Rig, u: Array, v: Array, laser: int, branch: NDArray[np.intp]) -> Array:

@@ -71,8 +71,11 @@ def measure(
     rows, status = np.empty((ROWS, u.size)), np.empty(u.size, dtype=np.uint8)
     known = native.known_of(rig, laser)
     native.engine.measure_points(*known, u, v, choice, noise, directions, threads or 0, rows, status)
-    radius, axial, clock, *uncertainties = rows
-    return Measured(radius, axial, clock, *uncertainties, status)
+    return _of_rows(rows, status)
+
+
+def _of_rows(rows: Array, status: NDArray[np.uint8]) -> Measured:
+    return Measured(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], status)
 
 
 def choice_of(
