@@ -12,6 +12,7 @@ from calibore.cli._demo import demo
 from calibore.cli._design import design
 from calibore.cli._export import export
 from calibore.cli._failure import telling_failures
+from calibore.cli._help import show_help
 from calibore.cli._profile import profile
 from calibore.cli._reproduce import reproduce
 
@@ -51,4 +52,5 @@ def main() -> None:
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal cannot write must not end a run
     with telling_failures():
-        app()
+        if not show_help(app):
+            app()
