@@ -182,14 +182,14 @@ def test_every_written_rig_reads_back_and_predicts_the_same(found, tmp_path):
         rings = [predict_ring(one, clock, radius, assumptions=inputs_of(found.wanted)) for one in (rig, back)]
         # The file holds lengths and angles to fourteen digits.
         np.testing.assert_allclose(rings[1].u_radius, rings[0].u_radius, rtol=1e-9)
-        assert back.stripe == found.wanted.noise.stripe
+        assert back.stripe is None  # the pictures will tell
 
 
 @pytest.mark.parametrize("configuration", ["perpendicular-plane", "dual-cone", "side-facing"])
 def test_simulated_errors_are_as_large_as_predicted(found, configuration):
     rig = found.by_configuration[configuration].design.candidate.rig(found.wanted)
     tested = verify(rig, found.wanted, rng=np.random.default_rng(7), draws=1500)
-    # 1500 draws of a common input settle the rms to 1.8 %; 5 % is what the issue allows.
+    # 1500 draws of a common input settle the rms to 1.8 %; 5 % is what is promised.
     assert tested.ratio == pytest.approx(1.0, abs=0.05)
     assert tested.simulated == pytest.approx(tested.predicted, rel=0.05)
 

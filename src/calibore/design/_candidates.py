@@ -38,11 +38,14 @@ class Candidate:
     k: float
 
     def rig(self, wanted: Requirement) -> Rig:
-        """The rig with its camera and what is known of it; raises InputError where the geometry is impossible."""
+        """The rig with its camera and what is known of it; raises InputError where the geometry is impossible.
+
+        It states no noise of the line: what was assumed for the design, the pictures will tell.
+        """
         if self.configuration in HEADS:
             return _head(self, wanted)
         rig = reference_rig(self.configuration, self.baseline, self.projection, wanted)
-        return replace(rig, camera=camera_of(self), stripe=wanted.noise.stripe)
+        return replace(rig, camera=camera_of(self))
 
     def length(self, laser: BodyTable) -> float:
         """Along the pipe [m], from the back of the camera to the foremost laser part; of a head its thickness."""
@@ -129,4 +132,4 @@ def _head(candidate: Candidate, wanted: Requirement) -> Rig:
     names = ("laser.baseline", "laser.aim")
     known = inputs_of(wanted).covariance(names, jacobian, nominal_radius=wanted.nominal_radius)
     mount = SideFacing(candidate.baseline, aim)
-    return Rig(candidate.configuration, camera, (Laser(Sheet()),), known, wanted.noise.stripe, mount=mount)
+    return Rig(candidate.configuration, camera, (Laser(Sheet()),), known, mount=mount)

@@ -56,7 +56,9 @@ def cone_rig(
     aim, half_angle, slopes = ring_angles(baseline, projection, nominal_radius)
     camera = Imager(width, height, lens).seeing(float(aim + half_angle), across=across)
     clocks = (0.0,) if second_clock is None else (0.0, float(second_clock))
-    lasers = tuple(Laser(Cone(baseline, float(aim), float(half_angle), clock)) for clock in clocks)
+    takes = (None,) if second_clock is None else ((0,), (1,))  # two lines are told apart by lighting them in turn
+    cones = (Cone(baseline, float(aim), float(half_angle), clock) for clock in clocks)
+    lasers = tuple(Laser(cone, takes=lit) for cone, lit in zip(cones, takes, strict=True))
     jacobian = np.vstack([[1.0, 0.0], slopes])
     known = _of_each_laser(inputs, ("baseline", "aim", "half_angle"), jacobian, len(clocks), nominal_radius)
     return Rig("single-cone" if second_clock is None else "dual-cone", camera, lasers, known)
