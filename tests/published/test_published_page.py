@@ -62,7 +62,7 @@ def test_what_somebody_else_put_there_is_left_alone(tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     (out / "notes.txt").write_text("mine")
-    with pytest.raises(OutputError, match="did not write"):
+    with pytest.raises(OutputError, match="no reproduction of this program"):
         write_reproduction(out)
     (tmp_path / "file").write_text("mine")
     with pytest.raises(OutputError, match="is a file"):

@@ -11,7 +11,7 @@ from calibore.design._regions import ImageMap, Region
 from calibore.design._tolerances import Tolerance
 from calibore.rigs import Rig
 
-FORMAT = "calibore-design/1"
+FORMAT = "calibore-design-result/1"
 MAP_STEP = 5
 """Every fifth row and column of a map: what the pictures show, small enough for a text file."""
 DIGITS = 9

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from calibore import __version__
-from calibore.design import Analysis, plain_analysis
+from calibore.design import FORMAT, Analysis, plain_analysis
+from calibore.folders import listed_in, whole_folder
 from calibore.plotting import design_pictures, length_unit, limit_text, parameter_words, save_picture, save_vector
-from calibore.reports._design_folder import MARKER, whole_folder
 from calibore.reports._design_words import key_facts, verdicts
 
-PAGE = "design.html"
+PAGE, MARKER = "design.html", "design.json"
 Progress = Callable[[int, int | None], None]
 
 
@@ -24,7 +24,7 @@ def write_design(
 ) -> dict[str, Any]:
     """Writes `out`/design.json, design.html and every picture as PNG and SVG, all or nothing; returns the JSON data."""
     length_unit(unit)
-    with whole_folder(Path(out)) as folder:
+    with whole_folder(out, listed_in(MARKER, FORMAT), what="design") as folder:
         pictures = []
         for done, picture in enumerate(design_pictures(design, unit=unit), start=1):
             path = save_picture(picture.figure, folder / f"{picture.name}.png")

@@ -10,8 +10,8 @@ from typing import Any
 
 from calibore import __version__
 from calibore.design import PARETO_FORMAT, Optimised, Verification, numbered, plain_optimisation
+from calibore.folders import listed_in, whole_folder
 from calibore.plotting import design_chart, length_unit, save_picture, save_vector
-from calibore.reports._design_folder import whole_folder
 from calibore.reports._optimise_words import alternatives, budgets, recommendation, row
 from calibore.rigs import write_rig
 
@@ -22,7 +22,7 @@ def optimisation_folder(out: Path | str) -> AbstractContextManager[Path]:
     """A folder to be filled, that gets the name `out` when the block ends well. Raises OutputError before the block
     where `out` holds anything else.
     """
-    return whole_folder(Path(out), marker=PARETO, form=PARETO_FORMAT)
+    return whole_folder(out, listed_in(PARETO, PARETO_FORMAT), what="choice of designs")
 
 
 def write_optimisation(

@@ -3,9 +3,6 @@
 import base64
 import json
 import multiprocessing
-import os
-import secrets
-import shutil
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -14,7 +11,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from calibore.errors import OutputError
+from calibore.folders import listed_in, whole_folder
 from calibore.plotting import published_number, published_picture, save_picture, save_vector
 from calibore.published import MEANINGS, PICTURES, Reproduction, Verdict, reproduced
 
@@ -35,19 +32,8 @@ def write_reproduction(out: Path | str, *, workers: int = 1, progress: Progress 
     Returns what reproduction.json holds. `workers` processes draw; `progress` is told what is done, of how much. `out`
     appears when complete; it must be new, empty, or an earlier reproduction, which it replaces. Raises OutputError.
     """
-    out = Path(os.path.abspath(out))
-    _check(out)
-    partial = out.with_name(f".{out.name}.partial-{os.getpid()}-{secrets.token_hex(4)}")
-    try:
-        partial.mkdir(parents=True)
-        found = _made(partial, workers, progress or (lambda done, total: None))
-        _publish(partial, out)
-    except OSError as error:
-        sentence = f"{out} cannot be written ({error.strerror or error}); choose a folder that you may write to."
-        raise OutputError(sentence) from error
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
-    return found
+    with whole_folder(out, listed_in(FACTS, FORMAT), what="reproduction") as folder:
+        return _made(folder, workers, progress or (lambda done, total: None))
 
 
 def _made(folder: Path, workers: int, progress: Progress) -> Plain:
@@ -105,6 +91,7 @@ def _facts(numbers: Sequence[Reproduction], pictures: Sequence[Plain]) -> Plain:
         "claims": {word: claims[word] for word in HOLDS.values()},
         "values": [one.as_plain() for one in numbers],
         "pictures": list(pictures),
+        "files": [PAGE, *(name for picture in pictures for name in picture["files"])],
     }
 
 
@@ -149,30 +136,3 @@ def _row(one: Reproduction) -> dict[str, str]:
         "verdict": str(one.verdict),
         "note": " ".join(part for part in (value.contradiction, value.note) if part),
     }
-
-
-def _check(out: Path) -> None:
-    """Only what an earlier run wrote is replaced."""
-    if out.exists() and not out.is_dir():
-        raise OutputError(f"{out} is a file, not a folder; choose another name.")
-    if not out.exists() or not any(out.iterdir()):
-        return
-    try:
-        facts = json.loads((out / FACTS).read_text(encoding="utf-8"))
-        known = {PAGE, FACTS, *(name for picture in facts["pictures"] for name in picture["files"])}
-        ours = facts["format"] == FORMAT
-    except (OSError, ValueError, KeyError, TypeError):
-        known, ours = set(), False
-    foreign = sorted(path.name for path in out.iterdir() if path.name not in known)
-    if foreign or not ours:
-        name = foreign[0] if foreign else FACTS
-        raise OutputError(f"{out} holds {name}, which this command did not write; choose another folder.")
-
-
-def _publish(partial: Path, out: Path) -> None:
-    """The new folder under its name; an earlier one steps aside and is removed last."""
-    aside = out.with_name(f"{partial.name}-old")
-    if out.exists():
-        os.rename(out, aside)
-    os.rename(partial, out)
-    shutil.rmtree(aside, ignore_errors=True)

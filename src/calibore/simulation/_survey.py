@@ -1,6 +1,8 @@
 """A whole scan with its truth: what is driven through which pipe, and the folder that comes of it."""
 
+import zipfile
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -8,16 +10,17 @@ from typing import Any
 import numpy as np
 
 from calibore.errors import InputError
+from calibore.folders import whole_folder
 from calibore.geometry import Pose
 from calibore.rigs import Rig, SideFacing, write_rig
 from calibore.simulation._files import scan_toml, write_png
 from calibore.simulation._light import LineLight, LitLine, lit_line
 from calibore.simulation._picture import photograph_all
 from calibore.simulation._sensor import Sensor
-from calibore.simulation._staging import TRUTH, check_replaceable, staged
 from calibore.simulation._truth_file import Columns, ring_columns, row_columns, station_truth
 from calibore.simulation._wall import PipeWall
 
+TRUTH = "truth.npz"
 Progress = Callable[[int, int], None]
 
 
@@ -102,9 +105,8 @@ def simulate_scan(folder: Path | str, survey: Survey, *, seed: int, progress: Pr
     complete; an earlier one is replaced only if it holds nothing but an earlier simulation. Raises OutputError.
     """
     folder = Path(folder).absolute()
-    check_replaceable(folder)
     total, done, truth = sum(station.takes for station in survey.stations), 0, []
-    with staged(folder) as staging:
+    with whole_folder(folder, _simulated, what="simulated scan") as staging:
         for station in survey.stations:
             light = station.line or survey.line
             lines = [survey.line_at(station, laser=number)[1] for number in range(len(survey.rig.lasers))]
@@ -118,6 +120,13 @@ def simulate_scan(folder: Path | str, survey: Survey, *, seed: int, progress: Pr
                     progress(done, total)
         _write_tables(staging, survey, truth)
     return folder
+
+
+def _simulated(folder: Path) -> set[str] | None:
+    """The names of what an earlier simulation has written."""
+    with suppress(OSError, KeyError, ValueError, zipfile.BadZipFile), np.load(folder / TRUTH) as truth:
+        return set(truth["files"].tolist())
+    return None
 
 
 def _photograph(survey: Survey, station: Station, take: int, light: LineLight, lines: list[LitLine], seed: int) -> Any:
