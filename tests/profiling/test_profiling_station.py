@@ -101,7 +101,7 @@ def test_a_ring_whose_every_ray_misses_the_laser_plane_is_refused_and_not_a_cras
     job = replace(
         Job.of(rig(), RADIUS), rig=narrow, looks=(Look(0, Search((WIDTH / 2, HEIGHT / 2), 62.0, 115.0), "red"),)
     )
-    with pytest.raises(StationRefusedError, match="no point of its line lies on the laser plane"):
+    with pytest.raises(StationRefusedError, match="no point of its line lies in the light of the laser"):
         measure_station(station(ring), HERE, job)
 
 

@@ -53,6 +53,19 @@ class Cone(LaserSurface):
         """(3,) unit vector."""
         return np.cos(self.aim) * AHEAD - np.sin(self.aim) * self._outwards
 
+    @property
+    def apex_by_parameters(self) -> NDArray[Any]:
+        """(3, 5): how the apex moves with each parameter."""
+        still = 0 * AHEAD
+        return np.stack([self._outwards, still, still, self.baseline * self._round, AHEAD], axis=1)
+
+    @property
+    def axis_by_parameters(self) -> NDArray[Any]:
+        """(3, 5): how the axis turns."""
+        still = 0 * AHEAD
+        by_aim = -np.sin(self.aim) * AHEAD - np.cos(self.aim) * self._outwards
+        return np.stack([still, by_aim, still, -np.sin(self.aim) * self._round, still], axis=1)
+
     def value(self, points: NDArray[Any]) -> NDArray[Any]:
         arms = points - self.apex
         return arms @ self.axis - np.cos(self.half_angle) * _length(arms)
@@ -63,7 +76,7 @@ class Cone(LaserSurface):
 
     def parameter_gradient(self, points: NDArray[Any]) -> NDArray[Any]:
         arms = points - self.apex
-        by_parameters = -self.gradient(points) @ self._apex_by_parameters + arms @ self._axis_by_parameters
+        by_parameters = -self.gradient(points) @ self.apex_by_parameters + arms @ self.axis_by_parameters
         by_parameters[:, 2] += np.sin(self.half_angle) * _length(arms)
         return by_parameters
 
@@ -79,7 +92,7 @@ class Cone(LaserSurface):
         """Three rows: the ray touches the cone (both meetings), or runs along it: the far, the near one at infinity."""
         arms = np.broadcast_to(np.atleast_2d(origins) - self.apex, directions.shape)
         rows = frontiers_of_cone(arms, directions, axis=self.axis, half_angle=self.half_angle)
-        by_parameters = rows.by_axis @ self._axis_by_parameters - rows.by_arm @ self._apex_by_parameters
+        by_parameters = rows.by_axis @ self.axis_by_parameters - rows.by_arm @ self.apex_by_parameters
         by_parameters[..., 2] += rows.by_half_angle
         return Frontier(rows.value, rows.by_arm, rows.by_direction, by_parameters, SECOND_ORDER, FOLDS)
 
@@ -91,19 +104,6 @@ class Cone(LaserSurface):
     def _round(self) -> NDArray[Any]:
         """How `_outwards` turns with the clock."""
         return np.array([np.cos(self.clock), np.sin(self.clock), 0.0])
-
-    @property
-    def _apex_by_parameters(self) -> NDArray[Any]:
-        """(3, 5)."""
-        still = 0 * AHEAD
-        return np.stack([self._outwards, still, still, self.baseline * self._round, AHEAD], axis=1)
-
-    @property
-    def _axis_by_parameters(self) -> NDArray[Any]:
-        """(3, 5)."""
-        still = 0 * AHEAD
-        by_aim = -np.sin(self.aim) * AHEAD - np.cos(self.aim) * self._outwards
-        return np.stack([still, by_aim, still, -np.sin(self.aim) * self._round, still], axis=1)
 
     def _refuse_lengths(self) -> None:
         if not 0 <= self.baseline < np.inf:

@@ -109,11 +109,7 @@ def _surface_by_parameters(surface: Any) -> Array:
     if not isinstance(surface, Cone):
         rows[:3], rows[3] = surface.normal_by_parameters, surface.level_by_parameters
         return rows
-    outwards = np.array([np.sin(surface.clock), -np.cos(surface.clock), 0.0])
-    round_axis = np.array([np.cos(surface.clock), np.sin(surface.clock), 0.0])
-    rows[:3, 0], rows[:3, 3], rows[2, 4] = outwards, surface.baseline * round_axis, 1.0
-    rows[3:6, 1] = -np.sin(surface.aim) * np.array([0.0, 0.0, 1.0]) - np.cos(surface.aim) * outwards
-    rows[3:6, 3] = -np.sin(surface.aim) * round_axis
+    rows[:3], rows[3:6] = surface.apex_by_parameters, surface.axis_by_parameters
     rows[6, 2] = 1.0
     return rows
 
