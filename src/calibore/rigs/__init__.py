@@ -8,6 +8,7 @@
 `margin`         how far a meeting is from where first-order uncertainty, or the meeting itself, ceases to be
 `measure`        -> `Measured`: millions of pixels to wall points with uncertainty, by the compiled engine
 `monte_carlo`    -> `Drawn`: the same by random draws of pixels and rig, near frontiers too
+                `adaptive_monte_carlo` -> `Settled`: until what it says no longer changes
 `moved`          the same rig with other values of its parameters
 `project_ring`   where a round wall would appear in the image
 """
@@ -23,6 +24,7 @@ from calibore.rigs._moving import moved
 from calibore.rigs._reading import read_rig
 from calibore.rigs._rig import CHANNELS, Laser, Rig
 from calibore.rigs._ring import project_ring
+from calibore.rigs._settling import Settled, adaptive_monte_carlo
 from calibore.rigs._triangulation import Sensitivities, Triangulation, triangulate
 from calibore.rigs._writing import write_rig
 
@@ -41,8 +43,10 @@ __all__ = [
     "Mount",
     "Rig",
     "Sensitivities",
+    "Settled",
     "SideFacing",
     "Triangulation",
+    "adaptive_monte_carlo",
     "follow_stripe",
     "margin",
     "measure",

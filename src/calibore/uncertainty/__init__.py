@@ -18,7 +18,7 @@ from calibore.uncertainty._coverage import coverage_factor, effective_degrees_of
 from calibore.uncertainty._distributions import Distribution
 from calibore.uncertainty._intervals import ellipsoid_factor, rectangle_factor, shortest_interval, symmetric_interval
 from calibore.uncertainty._method import FIRST_ORDER_FROM, MEASURABLE_ABOVE, Method, method_for
-from calibore.uncertainty._monte_carlo import MonteCarloResult, monte_carlo
+from calibore.uncertainty._monte_carlo import MonteCarloResult, monte_carlo, tolerance_of
 from calibore.uncertainty._propagation import Propagation, propagate
 from calibore.uncertainty._quantity import Quantity
 from calibore.uncertainty._scores import Scores
@@ -47,4 +47,5 @@ __all__ = [
     "rectangle_factor",
     "shortest_interval",
     "symmetric_interval",
+    "tolerance_of",
 ]

@@ -164,7 +164,7 @@ class _Tally:
 
     def tolerance(self) -> Array:
         """Half a unit in the last of `digits` digits of u (q,) (JCGM 101, 7.9.2)."""
-        return _tolerance(np.sqrt(np.maximum(np.diag(self.moments()[1]), 0.0)), self.digits)
+        return tolerance_of(np.sqrt(np.maximum(np.diag(self.moments()[1]), 0.0)), self.digits)
 
     def settled(self) -> bool:
         """Whether the averages over blocks scatter less than the tolerance (JCGM 101, 7.9.4)."""
@@ -172,7 +172,7 @@ class _Tally:
             return False
         blocks, tolerance = np.stack(self.of_blocks), np.tile(self.tolerance(), 4)
         if blocks.shape[1] > tolerance.size:
-            tolerance = np.append(tolerance, _tolerance(blocks[:, -1:].mean(axis=0), self.digits))
+            tolerance = np.append(tolerance, tolerance_of(blocks[:, -1:].mean(axis=0), self.digits))
         scatter = blocks.std(axis=0, ddof=1) / np.sqrt(len(blocks))
         return bool((2 * scatter <= tolerance).all())
 
@@ -203,7 +203,8 @@ class _Tally:
         )
 
 
-def _tolerance(numbers: Array, digits: int) -> Array:
+def tolerance_of(numbers: Array, digits: int) -> Array:
+    """Half a unit in the last of `digits` significant digits of `numbers` (JCGM 101, 7.9.2)."""
     size = np.abs(numbers)
     with np.errstate(divide="ignore"):
         place = np.floor(np.log10(size)) - digits + 1
