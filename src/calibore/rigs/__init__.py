@@ -8,7 +8,7 @@
 `margin`         how far a meeting is from where first-order uncertainty, or the meeting itself, ceases to be
 `measure`        -> `Measured`: millions of pixels to wall points with uncertainty, by the compiled engine
 `monte_carlo`    -> `Drawn`: the same by random draws of pixels and rig, near frontiers too
-                `adaptive_monte_carlo` -> `Settled`: until what it says no longer changes
+                 `adaptive_monte_carlo` -> `Settled`: until what it says no longer changes
 `moved`          the same rig with other values of its parameters
 `project_ring`   where a round wall would appear in the image
 """
