@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from calibore.errors import InputError
 from calibore.optics._lens import Lens
 from calibore.optics._port import FlatPort
+from calibore.optics._projection import Projection, project_with_sensitivities
 from calibore.optics._pupil import Pupil
 from calibore.optics._rays import Rays, RaysWithSensitivities
 
@@ -103,6 +104,10 @@ class Camera:
             zenith = self._pupil.zenith(off_axis, z, max_zenith=self.lens.max_zenith)
         scale = self.lens.image_radius(zenith) / np.where(off_axis > 0, off_axis, 1)
         return self.principal_point[0] + scale * x, self.principal_point[1] + self.aspect * scale * y
+
+    def project_with_sensitivities(self, points: ArrayLike) -> Projection:
+        """The pixels, and their derivatives by the points and by `parameter_names`."""
+        return project_with_sensitivities(self, points)
 
     def _polar(self, u: ArrayLike, v: ArrayLike) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], NDArray[Any]]:
         """Cosine and sine of the image azimuth (from +u towards +v), image radius [px], and its v part [px]."""

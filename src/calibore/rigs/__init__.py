@@ -2,6 +2,7 @@
 
 `Rig`, `Laser`   what a rig file describes; `CONFIGURATIONS` it may name
 `Mount`          where the camera stands in the rig: `FORWARD`, or `SideFacing` on a rotating head
+`ValidRegion`    where a calibration had points
 `read_rig`, `write_rig`   rig.toml (formats.md, section 3)
 `triangulate`    pixels to wall points, with sensitivities to pixel and parameters
 `meetings_of`, `follow_stripe`   all meetings of the rays, and which of them a stripe is made of
@@ -26,6 +27,7 @@ from calibore.rigs._rig import CHANNELS, Laser, Rig
 from calibore.rigs._ring import project_ring
 from calibore.rigs._settling import Settled, adaptive_monte_carlo
 from calibore.rigs._triangulation import Sensitivities, Triangulation, triangulate
+from calibore.rigs._valid import ValidRegion
 from calibore.rigs._writing import write_rig
 
 __all__ = [
@@ -46,6 +48,7 @@ __all__ = [
     "Settled",
     "SideFacing",
     "Triangulation",
+    "ValidRegion",
     "adaptive_monte_carlo",
     "follow_stripe",
     "margin",

@@ -1,0 +1,88 @@
+"""What a calibration found, and its evidence."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.optics import Camera
+from calibore.rigs import Rig, ValidRegion
+from calibore.uncertainty import Covariance, Quantity
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class InputFile:
+    """A file that was looked at: `name`, its `sha256`, and why it was not used, "" where it was."""
+
+    name: str
+    sha256: str
+    refused: str = ""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One model that was tried: its number of `parameters`, `rmse` of the residuals, information criteria relative to
+    the best, `cross_validated` rmse of data left out; `estimates` of the parameters that matter; `remark`: what cannot
+    be told by it, or why it is not recommended. rmse in `unit`.
+    """
+
+    model: str
+    parameters: int
+    rmse: float
+    aicc: float
+    bic: float
+    cross_validated: float
+    estimates: Mapping[str, Quantity] = field(default_factory=dict)
+    remark: str = ""
+    unit: str = "px"
+
+
+@dataclass(frozen=True, eq=False)
+class Observations:
+    """One row per residual: the `file` (n,) it came from (index of `Calibration.files`), its place `u`, `v` (n,) [px]
+    (NaN where it has none), `residual` (n,) measured minus predicted, its standard deviation `sigma` (n,), `weight`
+    (n,) 0 where it was left out, `group` (n,) of residuals that share an error, and `jacobian` (n, q) of the predictions by
+    the parameters `names` (q,): those calibrated and those of poses. Residuals in `unit`.
+    """
+
+    file: NDArray[np.intp]
+    u: Array
+    v: Array
+    residual: Array
+    sigma: Array
+    weight: Array
+    group: NDArray[np.intp]
+    jacobian: Array
+    names: tuple[str, ...]
+    unit: str = "px"
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """`kind` as in target.toml; `rig` or `camera` that was found, None where neither is (probe, pupil).
+
+    `values` of the parameters, SI or px, by dotted path, in the order of `covariance`, which holds those calibrated;
+    `degrees_of_freedom` of the scatter it rests on; `noise` of one residual and `group_sigma` of what groups share, in
+    the observations' unit. `valid`: where points were. `settings`: further tables for the file, plain values.
+    `findings`: sentences for people, the recommendation first; `warnings`: what they must not overlook.
+    """
+
+    kind: str
+    rig: Rig | None
+    camera: Camera | None
+    values: Mapping[str, float]
+    covariance: Covariance
+    degrees_of_freedom: float
+    noise: float
+    group_sigma: float
+    files: tuple[InputFile, ...]
+    observations: Observations
+    valid: ValidRegion | None = None
+    models: tuple[Comparison, ...] = ()
+    settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    findings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()

@@ -1,0 +1,8 @@
+"""Least squares that says what it does not know: fits, their covariance, identifiability, comparison of models.
+
+Knows nothing of cameras. `least_squares` -> `Fit`.
+"""
+
+from calibore.fitting._fit import Fit
+
+__all__ = ["Fit"]

@@ -1,0 +1,51 @@
+"""What is found of a target in one picture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class RingMarks:
+    """Points `u`, `v` (n,) [px] on dark lines, each measured along the unit vector `direction` (n, 2) with standard
+    uncertainty `sigma` (n,) [px]. `ring` (n,) counts from 1 at the innermost, 0 on a spoke; `spoke` (n,) counts from
+    0 in image azimuth from +u towards +v, -1 on a ring. `centre` (u, v) [px]: where the spokes meet.
+    """
+
+    u: Array
+    v: Array
+    direction: Array
+    sigma: Array
+    ring: Whole
+    spoke: Whole
+    centre: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class BoardMarks:
+    """Marks at `u`, `v` (n,) [px] of the board's places `x`, `y` (n,) in squares (or dot pitches) from its first mark;
+    `sigma` [px] of each coordinate as far as one picture tells; `blur` [px]: standard deviation of the edges' blur.
+    """
+
+    u: Array
+    v: Array
+    x: Array
+    y: Array
+    sigma: float
+    blur: float
+
+
+@dataclass(frozen=True, eq=False)
+class PinMarks:
+    """The axes of a near and a far pin: `u` (n,) [px] in the rows `v` (n,), standard uncertainty `sigma` (n,) [px];
+    `near` (n,) which pin.
+    """
+
+    u: Array
+    v: Array
+    sigma: Array
+    near: NDArray[np.bool_]
