@@ -45,8 +45,8 @@ class Comparison:
 class Observations:
     """One row per residual: the `file` (n,) it came from (index of `Calibration.files`), its place `u`, `v` (n,) [px]
     (NaN where it has none), `residual` (n,) measured minus predicted, its standard deviation `sigma` (n,), `weight`
-    (n,) 0 where it was left out, `group` (n,) of residuals that share an error, and `jacobian` (n, q) of the predictions by
-    the parameters `names` (q,): those calibrated and those of poses. Residuals in `unit`.
+    (n,) 0 where it was left out, `group` (n,) of residuals that share an error, and `jacobian` (n, q) of the
+    predictions by the parameters `names` (q,): those calibrated and those of poses. Residuals in `unit`.
     """
 
     file: NDArray[np.intp]

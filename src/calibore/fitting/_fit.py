@@ -14,8 +14,8 @@ class Fit:
     shared by groups included; `degrees_of_freedom` of the scatter it rests on.
 
     `residuals` (n,) measured minus predicted, in the unit of the data; `jacobian` (n, p) of the predictions; `sigma`
-    (n,) standard deviations of the residuals as found; `weights` (n,) 0 where a residual was left out; `noise`: standard
-    deviation of one residual about the model, groups' errors apart; `group_sigma`: standard deviation of what the
+    (n,) standard deviations of the residuals as found; `weights` (n,) 0 where a residual was left out; `noise`:
+    standard deviation of one residual about the model, groups' errors apart; `group_sigma`: standard deviation of what the
     residuals of one group share.
     """
 
