@@ -1,10 +1,13 @@
 """Why a point is missing or suspect.
 
-One byte per point, stored with CF `flag_values` and `flag_meanings`. Statuses up to `SATURATED` carry a value; from
-`NO_PEAK` on the value is NaN.
+One byte per point, stored with CF `flag_values` and `flag_meanings`. Stored numbers never change, so new statuses come
+at the end; which of them carry a value `has_value` tells. Where none does the value is NaN.
 """
 
 from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 class Status(IntEnum):
@@ -21,10 +24,11 @@ class Status(IntEnum):
     GRAZING = 8
     BEHIND = 9
     NO_IMAGE = 10
+    EXTRAPOLATED = 11
 
     @property
     def has_value(self) -> bool:
-        return self <= Status.SATURATED
+        return self <= Status.SATURATED or self is Status.EXTRAPOLATED
 
 
 MEANING: dict[Status, str] = {
@@ -39,4 +43,12 @@ MEANING: dict[Status, str] = {
     Status.GRAZING: "the camera ray only grazes the laser surface",
     Status.BEHIND: "the meeting lies behind the camera",
     Status.NO_IMAGE: "no usable image for this station",
+    Status.EXTRAPOLATED: "measured outside the region where the rig was calibrated",
 }
+
+_HAS_VALUE = np.array([status.has_value for status in Status])
+
+
+def has_value(status: NDArray[np.integer]) -> NDArray[np.bool_]:
+    """Which points of `status`, any shape, carry a value."""
+    return _HAS_VALUE[status]

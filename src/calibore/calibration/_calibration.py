@@ -47,6 +47,10 @@ class Observations:
     (NaN where it has none), `residual` (n,) measured minus predicted, its standard deviation `sigma` (n,), `weight`
     (n,) 0 where it was left out, `group` (n,) of residuals that share an error, and `jacobian` (n, q) of the
     predictions by the parameters `names` (q,): those calibrated and those of poses. Residuals in `unit`.
+
+    `whitened` (m, q): the Jacobian in units of its scatter, with neighbours that resemble each other, errors that
+    groups share and what was known before: (whitened' whitened)^-1 is the covariance of `names`. None where residuals
+    of one sigma, in groups, say all.
     """
 
     file: NDArray[np.intp]
@@ -59,6 +63,7 @@ class Observations:
     jacobian: Array
     names: tuple[str, ...]
     unit: str = "px"
+    whitened: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,5 +4,6 @@ Knows nothing of cameras. `least_squares` -> `Fit`.
 """
 
 from calibore.fitting._fit import Fit
+from calibore.fitting._least_squares import least_squares
 
-__all__ = ["Fit"]
+__all__ = ["Fit", "least_squares"]

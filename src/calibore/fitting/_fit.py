@@ -1,9 +1,12 @@
 """What a fit found, and how well."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from calibore.fitting._mixed import MixedModel, Scatter
 
 Array = NDArray[np.float64]
 
@@ -11,12 +14,16 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class Fit:
     """`values` (p,) of the parameters `names`, SI or px; `covariance` (p, p), scatter, correlated neighbours and errors
-    shared by groups included; `degrees_of_freedom` of the scatter it rests on.
+    shared by groups included, infinite for what is not identifiable; `degrees_of_freedom` of the scatter it rests on,
+    those of the least known parameter.
 
     `residuals` (n,) measured minus predicted, in the unit of the data; `jacobian` (n, p) of the predictions; `sigma`
     (n,) standard deviations of the residuals as found; `weights` (n,) 0 where a residual was left out; `noise`:
-    standard deviation of one residual about the model, groups' errors apart; `group_sigma`: standard deviation of what the
-    residuals of one group share.
+    standard deviation of one residual of sigma 1 about the model, groups' errors apart; `group_sigma`: standard
+    deviation of what the residuals of one group share; `partial_autocorrelation` (q,) of neighbours, empty where none.
+
+    `covariance_modes` (k, p, p): how the covariance itself may be wrong, one standard deviation each, independent;
+    none where the scatter is known. `information_root` (p, p): R of the whitened Jacobian's QR, prior included.
     """
 
     names: tuple[str, ...]
@@ -29,6 +36,10 @@ class Fit:
     weights: Array
     noise: float
     group_sigma: float = 0.0
+    partial_autocorrelation: Array = field(default_factory=lambda: np.zeros(0))
+    covariance_modes: Array | None = None
+    information_root: Array | None = None
+    mixed: tuple[MixedModel, Scatter] | None = field(default=None, repr=False)
 
     @property
     def u(self) -> Array:
@@ -37,3 +48,18 @@ class Fit:
 
     def value(self, name: str) -> float:
         return float(self.values[self.names.index(name)])
+
+    def degrees_of_freedom_of(self, combination: Sequence[float] | Array) -> float:
+        """Satterthwaite's degrees of freedom of the variance of `combination` (p,) @ values; inf of a known one."""
+        c = np.asarray(combination, dtype=float)
+        return satterthwaite(c, self.covariance, self.covariance_modes)
+
+
+def satterthwaite(combination: Array, covariance: Array, modes: Array | None) -> float:
+    """2 v^2 / var(v) of v = c' covariance c (Giesbrecht and Burns 1985)."""
+    used = combination != 0
+    c = combination[used]
+    if modes is None or not np.isfinite(covariance[np.ix_(used, used)]).all():
+        return np.inf
+    doubt = float(np.sum((modes[:, used][:, :, used] @ c @ c) ** 2))
+    return 2 * float(c @ covariance[np.ix_(used, used)] @ c) ** 2 / doubt if doubt > 0 else np.inf

@@ -56,16 +56,20 @@ def _fuse(a: Ring, b: Ring) -> Ring:
         mean(a.axial, b.axial),
         np.where(seen, np.hypot(part_a, part_b), np.nan),
         mean(a.modes, b.modes),
-        _status(a, b),
+        _status(a, b, weight),
         own * a.correlation + (1 - own) * b.correlation,
     )
 
 
-def _status(a: Ring, b: Ring) -> NDArray[np.uint8]:
-    """The better of both; RESOLVED where they differ at one place and one was chosen."""
+def _status(a: Ring, b: Ring, weight: Array) -> NDArray[np.uint8]:
+    """The better of both; RESOLVED where they differ at one place and one was chosen; EXTRAPOLATED where the value is
+    so in part.
+    """
     differ = np.abs(a.radius - b.radius) > DISAGREE * np.sqrt(least_variance_weight(a, b)[1])
     better = np.minimum(a.status, b.status)
-    return np.where(differ, np.maximum(better, Status.RESOLVED), better).astype(np.uint8)
+    extrapolated = (a.status == Status.EXTRAPOLATED) & (weight > 0) | (b.status == Status.EXTRAPOLATED) & (weight < 1)
+    status = np.where(differ, np.maximum(better, Status.RESOLVED), better)
+    return np.where(extrapolated, Status.EXTRAPOLATED, status).astype(np.uint8)
 
 
 def _seen(ring: Ring) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.profiling._take import TakePoints
-from calibore.status import Status
+from calibore.status import Status, has_value
 from calibore.uncertainty import Covariance, propagate
 
 Array = NDArray[np.float64]
@@ -52,7 +52,7 @@ def grid_ring(take: TakePoints, covariance: Covariance, *, stripe: float | None,
     step = 2 * np.pi / positions
     home = np.rint(take.clock / step).astype(np.intp) % positions
     offset = np.mod(take.clock - home * step + np.pi, 2 * np.pi) - np.pi
-    table = _Table.of(home, take.status <= Status.SATURATED, positions)
+    table = _Table.of(home, has_value(take.status), positions)
     radius, offsets = table.take(take.points.radius), table.take(offset)
     slope = _slopes(radius, offsets, step)
     along = take.along - slope[home] * take.turn
@@ -145,9 +145,9 @@ def _noise(weight: Array, sigma: Array, table: _Table, correlation: Array) -> tu
 
 def _status(take: TakePoints, home: NDArray[np.intp], offset: Array, found: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Status of each step: that of its nearest ray, of its nearest usable ray where the step has a value."""
-    usable = take.status <= Status.SATURATED
+    usable = has_value(take.status)
     order = np.argsort(np.abs(offset) + np.where(usable == found[home], 0.0, 10.0), kind="stable")[::-1]
     status = np.full(found.size, Status.NO_PEAK, dtype=np.uint8)
     status[home[order]] = take.status[order]
-    status[~found & (status <= Status.SATURATED)] = Status.NO_PEAK
+    status[~found & has_value(status)] = Status.NO_PEAK
     return status

@@ -31,6 +31,7 @@ def describe_rig(job: Job, *, file: str | None) -> dict[str, Any]:
         "default_uncertainty": rig.default_uncertainty,
         "stripe_px": rig.stripe,
         "degrees_of_freedom": rig.degrees_of_freedom,
+        "valid": rig.valid and {"zenith_rad": rig.valid.zenith, "radius_m": rig.valid.radius},
     }
 
 

@@ -1,6 +1,6 @@
 """What a finished run says of itself: counts, worst stations, noise, warnings."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from platform import python_version
@@ -118,6 +118,11 @@ class Tally:
         return gap_sentences(self._takes, self._expected)
 
     @property
+    def measured(self) -> int:
+        """Positions with a value."""
+        return int(self.statuses[[status for status in Status if status.has_value]].sum())
+
+    @property
     def scale(self) -> float:
         return self._scales / max(self.stations, 1)
 
@@ -139,7 +144,7 @@ def _badness(row: dict[str, Any]) -> float:
 
 def summarise(spec: ScanSpec, job: Job, tally: Tally) -> dict[str, Any]:
     """The summary of a run as plain data; the same input gives the same summary."""
-    measured = int(tally.statuses[: Status.SATURATED + 1].sum())
+    measured = tally.measured
     limits = {"deflection_percent": spec.limit_deflection_percent, "ovality_percent": spec.limit_ovality_percent}
     return {
         "command": "profile",
@@ -191,7 +196,19 @@ def warnings_of(job: Job, tally: Tally) -> list[str]:
         if count:
             have = "has" if count == 1 else "have"
             found.append(f"{counted(count, 'position')} {have} no value: {MEANING[status]}.")
-    return found
+    return [*found, *_outside(job, tally)]
+
+
+def _outside(job: Job, tally: Tally) -> Iterator[str]:
+    """That positions were measured where the rig was not calibrated."""
+    count = int(tally.statuses[Status.EXTRAPOLATED])
+    if count and job.rig.valid is not None:
+        yield (
+            f"{counted(count, 'position')} ({100 * count / tally.measured:.1f} % of those measured) "
+            f"{'lies' if count == 1 else 'lie'} outside the region where the rig was calibrated "
+            f"({job.rig.valid.said()}): lens and laser are extrapolated there, and the stated uncertainty may be too "
+            "small. Calibrate with a target that reaches as far as the pipe."
+        )
 
 
 def _assumed(job: Job) -> str:

@@ -9,10 +9,11 @@ from calibore.errors import ImageError
 from calibore.lasers import Cone
 from calibore.profiling._fold import triangulate_ring
 from calibore.rigs import Rig, Triangulation, triangulate
-from calibore.status import Status
+from calibore.status import Status, has_value
 from calibore.stripe import Stripe
 
 Array = NDArray[np.float64]
+Statuses = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,17 @@ def place_on_wall(stripe: Stripe, rig: Rig, *, laser: int = 0, prior_radius: flo
     along = np.einsum("nk,nk->n", points.radius_sensitivities.pixel, stripe.direction)
     turn = np.einsum("nk,nk->n", points.clock_sensitivities.pixel, stripe.direction)
     clock = _every_clock(points.clock)
+    status = _told_outside(status, stripe, points, rig)
     return TakePoints(points, clock, along, turn, u_position, status, stripe, laser, enlargement)
+
+
+def _told_outside(status: Statuses, stripe: Stripe, points: Triangulation, rig: Rig) -> Statuses:
+    """`status` (n,) with EXTRAPOLATED where a value comes from outside the region where the rig was calibrated."""
+    if rig.valid is None:
+        return status
+    zenith = np.arccos(np.clip(rig.camera.unproject(stripe.u, stripe.v).direction[:, 2], -1, 1))
+    outside = has_value(status) & ~rig.valid.holds(zenith, points.radius)
+    return np.where(outside, Status.EXTRAPOLATED, status).astype(np.uint8)
 
 
 def _every_clock(clock: Array) -> Array:

@@ -55,8 +55,7 @@ def combine_takes(rings: list[Ring]) -> tuple[Ring, float]:
     variance = (1 - shared) * np.sum(part**2, axis=0) + shared * np.sum(part, axis=0) ** 2
     combined = mean([r.radius for r in rings])
     variance = variance + _disagreement(radius, u, combined)
-    status = np.min(np.stack([r.status for r in rings]), axis=0)
-    status = np.where(found, np.minimum(status, Status.SATURATED), status).astype(np.uint8)
+    status = _status(np.stack([r.status for r in rings]), found)
     ring = Ring(
         rings[0].clock,
         combined,
@@ -67,6 +66,14 @@ def combine_takes(rings: list[Ring]) -> tuple[Ring, float]:
         np.mean([r.correlation for r in rings], axis=0),
     )
     return ring, shared
+
+
+def _status(statuses: NDArray[np.uint8], found: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """The best of all takes (m, n); a mean that is extrapolated in part is extrapolated."""
+    best = np.min(statuses, axis=0)
+    partly = (statuses == Status.EXTRAPOLATED).any(axis=0)
+    measured = np.where(partly, Status.EXTRAPOLATED, np.minimum(best, Status.SATURATED))
+    return np.where(found, measured, best).astype(np.uint8)
 
 
 def _disagreement(radius: Array, u: Array, combined: Array) -> Array:

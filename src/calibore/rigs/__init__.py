@@ -3,7 +3,8 @@
 `Rig`, `Laser`   what a rig file describes; `CONFIGURATIONS` it may name
 `Mount`          where the camera stands in the rig: `FORWARD`, or `SideFacing` on a rotating head
 `ValidRegion`    where a calibration had points
-`read_rig`, `write_rig`   rig.toml (formats.md, section 3)
+`read_rig`, `write_rig`   rig.toml (formats.md, section 3); `parts_toml` what a calibration found of one, as text
+`read_camera`    -> `KnownCamera`, with a rig or without
 `triangulate`    pixels to wall points, with sensitivities to pixel and parameters
 `meetings_of`, `follow_stripe`   all meetings of the rays, and which of them a stripe is made of
 `margin`         how far a meeting is from where first-order uncertainty, or the meeting itself, ceases to be
@@ -18,6 +19,7 @@ from calibore.rigs._candidates import Candidates, follow_stripe, meetings_of
 from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 from calibore.rigs._defaults import DEFAULT_LENGTH_LIMIT
 from calibore.rigs._drawing import Drawn, DrawnQuantity, monte_carlo
+from calibore.rigs._known_camera import KnownCamera, read_camera
 from calibore.rigs._margin import margin
 from calibore.rigs._measuring import Measured, measure
 from calibore.rigs._mount import FORWARD, Forward, Mount, SideFacing
@@ -28,7 +30,7 @@ from calibore.rigs._ring import project_ring
 from calibore.rigs._settling import Settled, adaptive_monte_carlo
 from calibore.rigs._triangulation import Sensitivities, Triangulation, triangulate
 from calibore.rigs._valid import ValidRegion
-from calibore.rigs._writing import write_rig
+from calibore.rigs._writing import parts_toml, write_rig
 
 __all__ = [
     "CHANNELS",
@@ -40,6 +42,7 @@ __all__ = [
     "Drawn",
     "DrawnQuantity",
     "Forward",
+    "KnownCamera",
     "Laser",
     "Measured",
     "Mount",
@@ -56,7 +59,9 @@ __all__ = [
     "meetings_of",
     "monte_carlo",
     "moved",
+    "parts_toml",
     "project_ring",
+    "read_camera",
     "read_rig",
     "triangulate",
     "write_rig",

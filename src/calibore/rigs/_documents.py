@@ -37,7 +37,8 @@ class Heading(Document):
     model_config = ConfigDict(extra="ignore")
 
     format: Literal["calibore-rig/1"]
-    configuration: Annotated[str, AfterValidator(_known)]
+    configuration: Annotated[str, AfterValidator(_known)] | None = None
+    camera: Any = None
     laser: Any = None
 
 
@@ -74,11 +75,31 @@ class CorrelationTable(Document):
     coefficient: Annotated[Number, Field(ge=-1, le=1)]
 
 
+class ValidTable(Document):
+    zenith: tuple[Angle, Angle] | None = None
+    radius: tuple[Length, Length] | None = None
+
+
 class CalibrationTable(Document):
-    parameters: tuple[str, ...]
-    covariance: tuple[tuple[Number, ...], ...]
+    """What a rig needs of its calibration is checked; the rest is for people and for `calibore.calibration`."""
+
+    parameters: tuple[str, ...] = ()
+    covariance: tuple[tuple[Number, ...], ...] = ()
     degrees_of_freedom: Positive | None = None
     evidence: str | None = None
+    valid: ValidTable | None = None
+    kind: str | None = None
+    created_by: Any = None
+    values: Any = None
+    unit: Any = None
+    noise: Any = None
+    group_sigma: Any = None
+    findings: Any = None
+    warnings: Any = None
+    model: Any = None
+    file: Any = None
+    settings: Any = None
+    fit: Any = None
 
 
 Shape = Literal["normal", "rectangular", "triangular", "arcsine"]
@@ -130,6 +151,15 @@ def rig_file(configuration: Configuration, *, listed: bool) -> type[Document]:
     if listed:
         least, most = configuration.lasers
         laser = Annotated[tuple[laser, ...], Field(min_length=least, max_length=most)]
+    return _file(tuple(keys), configuration=(str, ...), laser=(laser, ...))
+
+
+def camera_file() -> type[Document]:
+    """The model of a rig file that holds a camera only."""
+    return _file(())
+
+
+def _file(keys: tuple[str, ...], **tables: Any) -> type[Document]:
     stripe: Any = Annotated[Number, Field(ge=0)]
     inputs: dict[str, Any] = {"stripe": (stripe | None, None)}
     inputs |= {name: (_stated(quantity_of(name), name) | None, None) for name in keys}
@@ -147,9 +177,8 @@ def rig_file(configuration: Configuration, *, listed: bool) -> type[Document]:
         "RigFile",
         __base__=Document,
         format=(str, ...),
-        configuration=(str, ...),
         camera=(CameraTable, ...),
-        laser=(laser, ...),
+        **tables,
         uncertainty=(uncertainty, uncertainty()),
         calibration=(CalibrationTable | None, None),
     )

@@ -1,7 +1,7 @@
-"""rig.toml -> Rig."""
+"""rig.toml -> Rig, or what of one it holds."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,10 +9,11 @@ from calibore.documents import read_document
 from calibore.errors import InputError
 from calibore.optics import Camera, FlatPort, Lens
 from calibore.rigs._configurations import CONFIGURATIONS, Configuration
-from calibore.rigs._documents import CalibrationTable, CameraTable, Heading, laser_keys, rig_file
+from calibore.rigs._documents import CalibrationTable, CameraTable, Heading, camera_file, laser_keys, rig_file
 from calibore.rigs._mount import FORWARD, Mount, SideFacing
 from calibore.rigs._rig import Laser, Rig
 from calibore.rigs._stated import stated_inputs
+from calibore.rigs._valid import ValidRegion
 from calibore.uncertainty import Covariance
 
 
@@ -22,22 +23,65 @@ def read_rig(path: Path | str) -> Rig:
     """
     path = Path(path)
     heading = read_document(path, Heading)
+    if heading.configuration is None:
+        raise InputError(f"{path}{_what_is_missing(heading)}")
     configuration = CONFIGURATIONS[heading.configuration]
     listed = isinstance(heading.laser, list) or configuration.lasers != (1, 1)
     document: Any = read_document(path, rig_file(configuration, listed=listed))
     tables = document.laser if listed else (document.laser,)
     try:
         lasers, mount = _lasers(tables, configuration), _mount(tables[0], configuration)
-        rig = Rig(
-            document.configuration, _camera(document.camera), lasers, mount=mount, stripe=document.uncertainty.stripe
-        )
+        known, stripe = known_by(document.calibration), document.uncertainty.stripe
+        camera = camera_of(document.camera)
+        rig = Rig(document.configuration, camera, lasers, mount=mount, stripe=stripe, valid=known.valid)
         stated = stated_inputs(document.uncertainty, rig, laser_keys(configuration))
-        return rig.knowing(_covariance(stated, document.calibration), _degrees_of_freedom(document.calibration))
+        return rig.knowing(_joined(stated, known.covariance), known.degrees_of_freedom)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
-def _camera(table: CameraTable) -> Camera:
+def _what_is_missing(heading: Heading) -> str:
+    """For a file without configuration: the rest of the sentence after its name."""
+    if heading.laser is not None:
+        return ": key configuration is missing; add it."
+    if heading.camera is not None:
+        return (
+            " holds a camera without a laser: configuration and [laser] are missing. Join it with a laser by "
+            "`calibore calibrate rig`, or add both."
+        )
+    return " holds no rig: configuration, [camera] and [laser] are missing. Give a rig file."
+
+
+class Known(NamedTuple):
+    """What [calibration] says of the parameters of a rig."""
+
+    covariance: Covariance | None = None
+    degrees_of_freedom: float | None = None
+    valid: ValidRegion | None = None
+
+
+def read_part(path: Path) -> tuple[Camera, Known]:
+    """Camera of a whole or partial rig file, and what is known of its parameters, uncertainties stated included."""
+    heading = read_document(path, Heading)
+    if heading.configuration is not None:
+        rig = read_rig(path)
+        return rig.camera, Known(rig.covariance, rig.degrees_of_freedom, rig.valid)
+    if heading.laser is not None:
+        raise InputError(f"{path}{_what_is_missing(heading)}")
+    if heading.camera is None:
+        raise InputError(
+            f"{path} holds no camera: [camera] is missing. Give a rig file, or what `calibore calibrate lens` wrote."
+        )
+    document: Any = read_document(path, camera_file())
+    try:
+        known = known_by(document.calibration)
+        stated = stated_inputs(document.uncertainty, None, {})
+        return camera_of(document.camera), known._replace(covariance=_joined(stated, known.covariance))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def camera_of(table: CameraTable) -> Camera:
     lens = Lens(table.lens, table.k, table.height / 2, table.c1, table.c2, table.polynomial)
     port = table.port and FlatPort(**table.port.model_dump())
     return Camera(
@@ -65,23 +109,34 @@ def _mount(table: Any, configuration: Configuration) -> Mount:
     return SideFacing(table.baseline, table.aim) if configuration.side_facing else FORWARD
 
 
-def _degrees_of_freedom(calibration: CalibrationTable | None) -> float | None:
-    return calibration.degrees_of_freedom if calibration else None
-
-
-def _covariance(stated: Covariance | None, calibration: CalibrationTable | None) -> Covariance | None:
+def _joined(stated: Covariance | None, calibrated: Covariance | None) -> Covariance | None:
     """The calibration's parameters, and uncorrelated with them those of [uncertainty]; None where neither names one."""
-    if calibration is None:
-        return stated
-    twice = set(stated.names if stated else ()) & set(calibration.parameters)
+    if stated is None or calibrated is None:
+        return calibrated or stated
+    twice = set(stated.names) & set(calibrated.names)
     if twice:
         raise InputError(f"{', '.join(sorted(twice))} stand in [uncertainty] and in [calibration]; keep one of them.")
+    return calibrated.joined(stated)
+
+
+def known_by(calibration: CalibrationTable | None) -> Known:
+    """What the table says. A calibration knows parameters too that are no rig's (the place of its target): left out."""
+    if calibration is None:
+        return Known()
+    valid = calibration.valid and ValidRegion(calibration.valid.zenith, calibration.valid.radius)
+    covariance = _covariance(calibration) if calibration.parameters or calibration.covariance else None
+    if covariance and calibration.kind is not None:
+        own = [name for name in covariance.names if name.startswith(("laser.", "camera."))]
+        covariance = covariance.restricted(own) if own else None
+    return Known(covariance, calibration.degrees_of_freedom, valid)
+
+
+def _covariance(calibration: CalibrationTable) -> Covariance:
     if {len(row) for row in calibration.covariance} - {len(calibration.parameters)}:
         raise InputError(
             f"Every row of calibration.covariance needs {len(calibration.parameters)} numbers, one per parameter."
         )
     try:
-        calibrated = Covariance(calibration.parameters, np.array(calibration.covariance))
+        return Covariance(calibration.parameters, np.array(calibration.covariance))
     except InputError as error:
         raise InputError(f"calibration.covariance: {error}") from error
-    return calibrated.joined(stated) if stated else calibrated

@@ -11,6 +11,7 @@ from calibore.lasers import LaserSurface
 from calibore.optics import Camera
 from calibore.rigs._defaults import default_inputs
 from calibore.rigs._mount import FORWARD, Mount
+from calibore.rigs._valid import ValidRegion
 from calibore.uncertainty import Covariance
 
 CHANNELS = ("red", "green", "blue", "luma")
@@ -41,6 +42,7 @@ class Rig:
     `covariance` of the parameters (names as `parameter_names`, SI), shared by the whole scan; None where nothing is
     stated. `stripe` [px]: stated standard uncertainty of a line position, None where the image shall tell.
     `default_uncertainty`: the uncertainty of the laser's lengths is the default, not stated by the rig file.
+    `valid`: where it was calibrated, None where nothing is known of it.
     """
 
     configuration: str
@@ -51,6 +53,7 @@ class Rig:
     default_uncertainty: bool = False
     degrees_of_freedom: float | None = None
     mount: Mount = FORWARD
+    valid: ValidRegion | None = None
 
     def __post_init__(self) -> None:
         if not self.lasers:

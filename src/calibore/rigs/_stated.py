@@ -19,14 +19,15 @@ class Stated(NamedTuple):
     degrees_of_freedom: float
 
 
-def stated_inputs(table: Any, rig: Rig, laser_keys: Mapping[str, float | None]) -> Covariance | None:
+def stated_inputs(table: Any, rig: Rig | None, laser_keys: Mapping[str, float | None]) -> Covariance | None:
     """The inputs that the table [uncertainty] names, by dotted path; None where it names none.
 
-    A laser's key counts for every laser of the rig, for each apart; `principal_point` for u and for v.
+    A laser's key counts for every laser of the rig, for each apart; `principal_point` for u and for v. A camera alone,
+    `rig` None, has no `laser_keys`.
     """
     inputs: dict[str, Stated] = {}
     for key in laser_keys:
-        if getattr(table, key) is not None:
+        if rig is not None and getattr(table, key) is not None:
             stated = _stated(getattr(table, key), key)
             inputs |= dict.fromkeys(_paths(rig, key), stated)
     for key in (*CAMERA_INPUTS, *PORT):

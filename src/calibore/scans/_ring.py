@@ -6,7 +6,7 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.status import Status
+from calibore.status import Status, has_value
 
 Array = NDArray[np.float64]
 
@@ -85,9 +85,6 @@ class RingPoints:
         _agree(self.radius, self.status)
 
 
-_LAST_WITH_VALUE = max(status for status in Status if status.has_value)
-
-
 def _statuses(values: NDArray[np.integer]) -> NDArray[np.uint8]:
     values = np.asarray(values)
     if values.size and not (values.min() >= 0 and values.max() <= max(Status)):
@@ -96,7 +93,7 @@ def _statuses(values: NDArray[np.integer]) -> NDArray[np.uint8]:
 
 
 def _agree(radius: Array, status: NDArray[np.uint8]) -> None:
-    wrong = np.flatnonzero(np.isfinite(radius) != (status <= _LAST_WITH_VALUE))
+    wrong = np.flatnonzero(np.isfinite(radius) != has_value(status))
     if wrong.size:
         first = wrong[0]
         raise ValueError(

@@ -5,6 +5,7 @@
                  `photograph_all` several lasers at once
 `simulate_scan`  a `Survey` of `Station`s written as a scan folder with truth.npz; `head_pose` of a side-facing head
 `demo_scan`      the demonstration pipe
+`photograph_rings`  a target of concentric rings in a `TargetLight`
 `random_wall`, `random_rig` of `RIG_KINDS`, `random_pose`, `draw_rig`   for studies over many rigs
 
 Simple on purpose: planes, cones and sheets of light, matt walls, light reflected once, Gaussian blur; no halo, no
@@ -26,6 +27,7 @@ from calibore.simulation._parts import (
 )
 from calibore.simulation._picture import line_image, photograph, photograph_all, render_ring
 from calibore.simulation._random_rigs import RIG_KINDS, random_rig
+from calibore.simulation._ring_target import TargetLight, photograph_rings
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._speckle import speckle_field
 from calibore.simulation._survey import Station, Survey, head_pose, simulate_scan
@@ -47,6 +49,7 @@ __all__ = [
     "Sensor",
     "Station",
     "Survey",
+    "TargetLight",
     "TrueRing",
     "TrueRows",
     "WallPart",
@@ -60,6 +63,7 @@ __all__ = [
     "lit_line",
     "photograph",
     "photograph_all",
+    "photograph_rings",
     "random_pose",
     "random_rig",
     "random_wall",

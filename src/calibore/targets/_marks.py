@@ -28,7 +28,8 @@ class RingMarks:
 @dataclass(frozen=True, eq=False)
 class BoardMarks:
     """Marks at `u`, `v` (n,) [px] of the board's places `x`, `y` (n,) in squares (or dot pitches) from its first mark;
-    `sigma` [px] of each coordinate as far as one picture tells; `blur` [px]: standard deviation of the edges' blur.
+    `sigma` [px] of each coordinate as far as one picture tells, `sigmas` (n,) those of each mark; `blur` [px]: standard
+    deviation of the edges' blur; `dot`: diameter of dots in pitches, 0 for corners.
     """
 
     u: Array
@@ -37,15 +38,18 @@ class BoardMarks:
     y: Array
     sigma: float
     blur: float
+    sigmas: Array | None = None
+    dot: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class PinMarks:
     """The axes of a near and a far pin: `u` (n,) [px] in the rows `v` (n,), standard uncertainty `sigma` (n,) [px];
-    `near` (n,) which pin.
+    `near` (n,) which pin; `half_width` (n,) [px] of the pin there.
     """
 
     u: Array
     v: Array
     sigma: Array
     near: NDArray[np.bool_]
+    half_width: Array | None = None

@@ -1,0 +1,106 @@
+"""The verdict on a difference, for people who have to decide whether to go on measuring."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from calibore.calibration._difference import Difference
+    from calibore.calibration._difference_changes import Change
+
+UNITS = {"mm": 1e-3, "in": 0.0254}
+CHANCE, DOUBTFUL = 0.05, 0.001
+"""Probabilities: above the first nothing speaks for a change, below the second chance is out of the question."""
+MOST = 0.9
+"""Of chi-square: a single parameter that explains as much is named as what changed."""
+MISFIT = 3.0
+"""Times what is expected: where so much is left that no parameter explains, the models differ."""
+
+
+def verdict_of(found: "Difference", unit: str) -> str:
+    """Same or not, how far apart in the image and on the wall, what changed, what to do."""
+    return " ".join(_sentences(found, UNITS[unit], unit))
+
+
+def _sentences(found: "Difference", metres: float, unit: str) -> Iterator[str]:
+    yield _answer(found)
+    along = found.directions
+    yield (
+        f"Directions differ by {along.rms:.2g} px rms over the image, where the stated uncertainties let expect "
+        f"{along.expected:.2g} px; a turn of {np.degrees(np.linalg.norm(along.turn)):.2g} deg is taken out."
+    )
+    if found.wall is not None:
+        yield _on_wall(found, metres, unit)
+    misfit = along.judgement.unexplained
+    if not found.same_law and misfit > MISFIT * along.expected:
+        yield f"{misfit:.2g} px rms no parameter of either lens explains: the lens laws differ."
+    if _differs(found):
+        yield from _what_changed(found, metres, unit)
+
+
+def _answer(found: "Difference") -> str:
+    one = found.judgement
+    if not any(found.stated):
+        return "Neither calibration states its uncertainty, so nobody can say whether the difference means anything."
+    test = f"p {_probability(one.p)}, chi-square {one.chi_square:.3g} in {one.directions} directions"
+    if one.p >= CHANCE:
+        return f"Nothing speaks against this being the same, unchanged camera ({test})."
+    if one.p >= DOUBTFUL:
+        return f"Doubtful: by chance alone so large a difference would be rare ({test}); calibrate once more."
+    return f"This is not the same camera as before: chance does not explain the difference ({test})."
+
+
+def _on_wall(found: "Difference", metres: float, unit: str) -> str:
+    wall, nominal = found.wall, found.nominal_radius
+    assert wall is not None
+    assert nominal is not None
+    at = int(np.argmin(np.abs(wall.radius - nominal)))
+    where = f"On a wall of R = {nominal / metres:.4g} {unit}"
+    if not np.isfinite(wall.mean[at]):
+        return f"{where} the two have no common view."
+    band = wall.coverage * wall.u_mean[at] / metres
+    return (
+        f"{where} radii come out {wall.mean[at] / metres:+.2g} {unit} different in the mean "
+        f"(95 % band of no change: {band:.2g} {unit}) and {wall.rms[at] / metres:.2g} {unit} rms."
+    )
+
+
+def _what_changed(found: "Difference", metres: float, unit: str) -> Iterator[str]:
+    if not found.changes:
+        return
+    first = found.changes[0]
+    others = found.judgement.chi_square * (1 - first.share)
+    if first.share >= MOST:
+        yield (
+            f"A change of {first.name} alone by {_amount(first, metres, unit)} explains {100 * first.share:.0f} % of "
+            "it; use the newer calibration from when it changed, and find out what moved."
+        )
+    else:
+        names = ", ".join(one.name for one in found.changes[:3])
+        yield (
+            f"No parameter alone explains it (chi-square {others:.3g} would remain); first come {names}. Use the newer "
+            "calibration from when it changed, and find out what moved."
+        )
+
+
+def _amount(one: "Change", metres: float, unit: str) -> str:
+    sigmas = abs(one.alone) / one.u_alone if one.u_alone > 0 else np.inf
+    last = one.name.split(".")[-1]
+    said = f"{one.alone:+.3g}"
+    if last in ("baseline", "offset", "x", "y", "z"):
+        said = f"{one.alone / metres:+.3g} {unit}"
+    elif last in ("aim", "half_angle", "clock", "zenith"):
+        said = f"{np.degrees(one.alone):+.3g} deg"
+    elif last.startswith(("k", "principal_point")):
+        said += " px"
+    share = f", {100 * one.alone / one.before:+.3g} %" if one.before else ""
+    return f"{said} ({sigmas:.2g} standard uncertainties{share})"
+
+
+def _differs(found: "Difference") -> bool:
+    return any(found.stated) and found.judgement.p < CHANCE
+
+
+def _probability(p: float) -> str:
+    return f"= {p:.2g}" if p >= DOUBTFUL else f"< {DOUBTFUL:g}"

@@ -1,0 +1,87 @@
+"""The evidence beside a calibration's FILE: every residual, where it was seen and what it depends on (Zarr v3)."""
+
+import hashlib
+import json
+import warnings
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from calibore.calibration._calibration import Observations
+from calibore.errors import InputError
+
+EVIDENCE_FORMAT = "calibore-evidence/1"
+ROW, WHITE_ROW, PARAMETER = "row", "white_row", "parameter"
+UNIT, NAMES, WHITENED = "unit", "names", "whitened"
+SAID = {
+    "file": ("", "number of the file in [[calibration.file]], from 0"),
+    "u": ("pixel", "column"),
+    "v": ("pixel", "row"),
+    "residual": (UNIT, "measured minus predicted"),
+    "sigma": (UNIT, "standard deviation of the residual"),
+    "weight": ("", "0 where it was left out"),
+    "group": ("", "residuals of one group share an error"),
+    "jacobian": ("", "derivative of the prediction by each of the parameters `names`, SI or px"),
+    "whitened": ("", "the same in units of the scatter, whose inverse square is the covariance of `names`"),
+}
+"""Unit and meaning of every array."""
+DIGITS = 12
+"""Of the hash in the name of a store."""
+
+
+def evidence_hash(observations: Observations) -> str:
+    """A fingerprint of the evidence's content."""
+    found = hashlib.sha256(json.dumps([observations.unit, observations.names]).encode())
+    for name, values in _arrays(observations).items():
+        found.update(f"{name} {values.dtype.str} {values.shape}".encode())
+        found.update(np.ascontiguousarray(values).tobytes())
+    return found.hexdigest()[:DIGITS]
+
+
+def write_evidence(observations: Observations, folder: Path) -> None:
+    """A new Zarr v3 group `folder`; the same evidence gives the same bytes."""
+    import xarray as xr
+
+    variables = {}
+    for name, values in _arrays(observations).items():
+        unit, meaning = SAID.get(name, ("", name))
+        attributes = {"long_name": meaning} | ({"units": observations.unit if unit is UNIT else unit} if unit else {})
+        rows = WHITE_ROW if name == WHITENED else ROW
+        variables[name] = ((rows, PARAMETER)[: values.ndim], values, attributes)
+    attributes = {"format": EVIDENCE_FORMAT, UNIT: observations.unit, NAMES: list(observations.names)}
+    with warnings.catch_warnings():
+        # Zarr warns that consolidated metadata is not in the v3 specification yet; xarray reads and writes it.
+        warnings.simplefilter("ignore")
+        xr.Dataset(variables, attrs=attributes).to_zarr(folder, mode="w-", zarr_format=3, consolidated=True)
+    _order_metadata(folder / "zarr.json")
+
+
+def read_evidence(folder: Path) -> Observations:
+    """The evidence in `folder`; raises InputError where it is none, or is not what was written."""
+    import xarray as xr
+
+    try:
+        with xr.open_zarr(folder, consolidated=True) as store:
+            if store.attrs.get("format") != EVIDENCE_FORMAT:
+                raise InputError(f"{folder} is no evidence of a calibration; put back what `calibore calibrate` wrote.")
+            arrays = {str(name): store[name].to_numpy() for name in store.data_vars}
+            names, unit = tuple(store.attrs[NAMES]), store.attrs[UNIT]
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"{folder} cannot be read ({error}); put back what `calibore calibrate` wrote.") from error
+    return Observations(**arrays, names=names, unit=unit)
+
+
+def _arrays(observations: Observations) -> dict[str, Any]:
+    values = {field.name: getattr(observations, field.name) for field in fields(observations)}
+    found = {name: value for name, value in values.items() if name not in (NAMES, UNIT) and value is not None}
+    return {name: np.asarray(value) for name, value in found.items()}
+
+
+def _order_metadata(path: Path) -> None:
+    """Zarr lists members in the order in which the file system and its threads return them."""
+    document = json.loads(path.read_text(encoding="utf-8"))
+    members = document["consolidated_metadata"]["metadata"]
+    document["consolidated_metadata"]["metadata"] = dict(sorted(members.items()))
+    path.write_text(json.dumps(document, separators=(",", ":")), encoding="utf-8")

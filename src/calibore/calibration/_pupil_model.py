@@ -1,0 +1,161 @@
+"""Two upright pins seen by a camera that turns about a pivot: where their axes appear.
+
+Frame of the fixture: origin on the pivot, y down along it, z along the slide when the turntable reads 0, x to the right
+of the camera. Turned by `turn`, the entrance pupil stands at T(turn) (offset, 0, pupil - slide).
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.calibration._lens_models import middle_of
+from calibore.optics import Camera, Lens
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.intp]
+
+PUPIL, K = "pupil.slide", "camera.k"
+CAMERA = ("camera.yaw", "camera.pitch", "camera.roll")
+OFFSET = "pivot.offset"
+PIN = ("x", "z", "lean_x", "lean_z")
+SLIDE, TURN = "slide.", "turn."
+"""A slide's reading [m]; what the turntable really turned beyond its reading [rad]."""
+FIRST_SLIDE = 14
+NEWTON_STEPS = 3
+"""From a mark to where the model sees the axis in its row: pictures are smooth, two steps would do."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """n marks on the axes of the pins: `u`, `v`, `sigma`, `half_width` (n,) [px], `near` (n,) which pin, the number of
+    the `picture` (n,) and of its `slide` (n,), the turntable's angle `turn` (n,) [rad].
+    """
+
+    u: Array
+    v: Array
+    sigma: Array
+    half_width: Array
+    near: NDArray[np.bool_]
+    picture: Whole
+    slide: Whole
+    turn: Array
+
+    def only(self, kept: NDArray[np.bool_]) -> "Sightings":
+        return Sightings(*(getattr(self, name)[kept] for name in self.__dataclass_fields__))
+
+
+class Image(NamedTuple):
+    """Rays (n, 3) of the camera frame, their derivatives by u (n, 3) and by k (n, 3)."""
+
+    ray: Array
+    by_u: Array
+    by_k: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PinModel:
+    """The two-pin fixture for a lens `law` and an image of `width` x `height` px. The slide's readings `slides` (m,) [m]
+    and those of the turntable, one for each of `pictures` (k,), are parameters too: known as well as they were read.
+    `forwards`: 1 where a greater reading moves the camera back, -1 where it moves it forwards.
+    """
+
+    law: str
+    width: int
+    height: int
+    slides: Array
+    pictures: Whole
+    forwards: int = 1
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        pins = (f"{pin}.{name}" for pin in ("near", "far") for name in PIN)
+        slides = (f"{SLIDE}{number}" for number in range(self.slides.size))
+        return (PUPIL, K, *CAMERA, OFFSET, *pins, *slides, *(f"{TURN}{number}" for number in self.pictures))
+
+    def predicted(self, values: Array, seen: Sightings) -> tuple[Array, Array]:
+        """Columns u (n,) [px] of the pins' axes in the rows of `seen`, and their derivatives (n, p) by `names`."""
+        camera = self._camera(values[1])
+        u = np.array(seen.u)
+        for _ in range(NEWTON_STEPS):
+            image = self._image(camera, u, seen)
+            beside, _ = self._beside(values, seen, image)
+            u = u - beside.value / beside.by_u
+        beside, by_parameters = self._beside(values, seen, self._image(camera, u, seen))
+        return u - self._lopsided(camera, u, seen), -by_parameters / beside.by_u[:, None]
+
+    def _camera(self, k: float) -> Camera:
+        lens = Lens(self.law, float(k), self.height / 2)
+        return Camera(self.width, self.height, lens, middle_of(self.width, self.height))
+
+    @staticmethod
+    def _image(camera: Camera, u: Array, seen: Sightings) -> Image:
+        rays = camera.unproject_with_sensitivities(u, seen.v)
+        k = camera.parameter_names.index(K)
+        return Image(rays.direction, rays.direction_by_pixel[:, :, 0], rays.direction_by_parameters[:, :, k])
+
+    @staticmethod
+    def _lopsided(camera: Camera, u: Array, seen: Sightings) -> Array:
+        """How far [px] the axis of a round pin, which halves the angle between its edges, appears from their middle."""
+        left, middle, right = (
+            np.arctan2(*camera.unproject(u + side * seen.half_width, seen.v).direction.T[[0, 2]]) for side in (-1, 0, 1)
+        )
+        return ((left + right) / 2 - middle) * 2 * seen.half_width / np.where(right > left, right - left, np.inf)
+
+    def _beside(self, values: Array, seen: Sightings, image: Image) -> tuple["_Beside", Array]:
+        """How far each ray passes beside its pin: the volume of axis, arm from pupil to pin, and ray."""
+        picture = FIRST_SLIDE + self.slides.size + np.searchsorted(self.pictures, seen.picture)
+        turned, turning = turn_about_pivot(seen.turn + values[picture])
+        camera, by_angles = camera_rotation(*values[2:5])
+        pose = turned @ camera
+        ray = np.einsum("nij,nj->ni", pose, image.ray)
+        forwards = self.forwards * (values[0] - values[FIRST_SLIDE:][seen.slide])
+        pupil, carried = (t[:, :, 0] * values[5] + t[:, :, 2] * forwards[:, None] for t in (turned, turning))
+        pins = np.where(seen.near[:, None], values[6:10], values[10:14])
+        axis = np.stack([pins[:, 2], np.ones(len(ray)), pins[:, 3]], axis=1)
+        arm = np.stack([pins[:, 0], np.zeros(len(ray)), pins[:, 1]], axis=1) - pupil
+        normal, by_arm, by_axis = np.cross(axis, arm), np.cross(ray, axis), np.cross(arm, ray)
+        by_ray = np.einsum("ni,nij->nj", normal, pose)
+        columns = np.zeros((len(ray), values.size))
+        columns[:, 0] = -self.forwards * np.einsum("ni,ni->n", by_arm, turned[:, :, 2])
+        columns[:, 1] = np.einsum("ni,ni->n", by_ray, image.by_k)
+        turns = np.einsum("ni,nij,qjk,nk->nq", normal, turned, by_angles, image.ray)
+        columns[:, 2:5], columns[:, 5] = turns, -np.einsum("ni,ni->n", by_arm, turned[:, :, 0])
+        by_pin = np.stack([by_arm[:, 0], by_arm[:, 2], by_axis[:, 0], by_axis[:, 2]], axis=1)
+        columns[:, 6:10] = np.where(seen.near[:, None], by_pin, 0.0)
+        columns[:, 10:14] = np.where(seen.near[:, None], 0.0, by_pin)
+        rows = np.arange(len(ray))
+        columns[rows, FIRST_SLIDE + seen.slide] = -columns[:, 0]
+        columns[rows, picture] = np.einsum("ni,nij,jk,nk->n", normal, turning, camera, image.ray)
+        columns[rows, picture] -= np.einsum("ni,ni->n", by_arm, carried)
+        value = np.einsum("ni,ni->n", normal, ray)
+        return _Beside(value, np.einsum("ni,ni->n", by_ray, image.by_u)), columns
+
+
+class _Beside(NamedTuple):
+    value: Array
+    by_u: Array
+
+
+def turn_about_pivot(turn: Array) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) by `turn` (n,) [rad] about y, from z towards x: to the right; and their derivatives."""
+    upright, cross = np.diag([0.0, 1.0, 0.0]), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+    c, s, across = np.cos(turn)[:, None, None], np.sin(turn)[:, None, None], np.diag([1.0, 0.0, 1.0])
+    return upright + c * across + s * cross, c * cross - s * across
+
+
+def camera_rotation(yaw: float, pitch: float, roll: float) -> tuple[Array, Array]:
+    """The camera in the slide's frame: yaw (to the right) after pitch (up) after roll (clockwise) [rad], and its
+    derivatives (3, 3, 3) by them.
+    """
+    turns = [_about(axis, angle) for axis, angle in ((1, yaw), (0, pitch), (2, roll))]
+    (y, by_yaw), (x, by_pitch), (z, by_roll) = turns
+    return y @ x @ z, np.stack([by_yaw @ x @ z, y @ by_pitch @ z, y @ x @ by_roll])
+
+
+def _about(axis: int, angle: float) -> tuple[Array, Array]:
+    cross = np.cross(np.eye(3)[axis], np.eye(3)).T
+    along = np.outer(np.eye(3)[axis], np.eye(3)[axis])
+    plane = np.eye(3) - along
+    return along + np.cos(angle) * plane + np.sin(angle) * cross, np.cos(angle) * cross - np.sin(angle) * plane

@@ -1,0 +1,131 @@
+"""A flat board in one picture: its marks to sub-pixel, or why there are none."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import ImageError
+from calibore.targets._boards import DICTIONARY, Board
+from calibore.targets._boards_corners import Corners, measured_corners
+from calibore.targets._boards_dots import Dots, measured_dots
+from calibore.targets._boards_lattice import lattice_of
+from calibore.targets._boards_opencv import chessboard_part, rough_marks
+from calibore.targets._marks import BoardMarks
+
+Array = NDArray[np.float64]
+Pixels = NDArray[np.uint8 | np.uint16]
+
+FEWEST = 8  # marks of a board partly seen
+ENOUGH = 0.6  # of the marks of a board that must be seen as a whole
+WIDTHS = 2.0  # blurs from a marker's edge within which it still shows
+
+
+def find_board(
+    image: Pixels,
+    *,
+    kind: str,
+    corners: tuple[int, int],
+    marker: float = 0.75,
+    dictionary: str = DICTIONARY,
+    dot: float = 0.5,
+) -> BoardMarks:
+    """The marks of a board in `image` (h, w) or (h, w, 3); arguments as of `Board`. Of a ChArUco board, part may be seen.
+
+    Raises ImageError: one sentence on why no board was found and what to do, without naming the picture.
+    """
+    board = Board(kind, corners, marker, dictionary, dot)
+    grey = _grey(image)
+    eight_bits = _eight_bits(grey)
+    rough = rough_marks(eight_bits, board)
+    if rough is None:
+        raise ImageError(_why_not(eight_bits, board))
+    rough = _seen_from_the_front(rough, board)
+    found = _measured(grey, rough, board)
+    good = np.isfinite(found.places[:, 0])
+    fewest = FEWEST if kind == "charuco" else max(FEWEST, round(ENOUGH * len(rough)))
+    if good.sum() < fewest or not _spread_out(board.places[good]):
+        raise ImageError(
+            f"only {good.sum()} of the board's {len(rough)} {board.mark} can be measured; photograph it nearer and "
+            "sharp, wholly inside the picture, less oblique."
+        )
+    (u, v), (x, y) = found.places[good].T, board.places[good].T
+    sigma = found.sigma[good]
+    diameter = float(np.nanmedian(found.diameter[good])) if isinstance(found, Dots) else 0.0
+    return BoardMarks(
+        u, v, x, y, float(np.median(sigma)), float(np.median(found.blur[good])), sigmas=sigma, dot=diameter
+    )
+
+
+def _grey(image: Pixels) -> Array:
+    grey = image.astype(float)
+    return grey.mean(axis=2) if grey.ndim == 3 else grey
+
+
+def _eight_bits(grey: Array) -> NDArray[np.uint8]:
+    """Stretched so that the brightest thousandth is white: dark 16-bit pictures show their board too."""
+    white = max(float(np.percentile(grey[::4, ::4], 99.9)), 1.0)
+    return np.clip(grey * (255 / white), 0, 255).astype(np.uint8)
+
+
+def _measured(grey: Array, rough: Array, board: Board) -> Corners | Dots:
+    if board.has_dots:
+        return measured_dots(grey, rough, board)
+    lattice = lattice_of(rough, board)
+    if board.kind == "chessboard":
+        return measured_corners(grey, rough, lattice)
+    clear = (1 - board.marker) / 2
+    first = measured_corners(grey, rough, lattice, clear=clear, shun=WIDTHS)
+    blur = np.nanmedian(first.blur) if np.isfinite(first.blur).any() else 1.0
+    return measured_corners(grey, rough, lattice, clear=clear, shun=WIDTHS * float(blur))
+
+
+def _seen_from_the_front(rough: Array, board: Board) -> Array:
+    """Marks numbered so that the board faces the camera. Rows of a chessboard may be read from either side: it looks the
+    same in a mirror. Where it does not, the picture is mirrored.
+    """
+    if not _mirrored(rough, board):
+        return rough
+    grid = rough.reshape(board.corners[1], board.corners[0], 2)
+    if board.kind in ("chessboard", "circle-grid"):
+        return grid[:, ::-1].reshape(-1, 2)
+    if board.kind.startswith("asym") and board.corners[1] % 2 == 1:
+        return grid[::-1].reshape(-1, 2)
+    raise ImageError(MIRRORED)
+
+
+MIRRORED = "the photograph is mirrored (left and right are swapped); give it as the camera took it."
+
+
+def _mirrored(rough: Array, board: Board) -> bool:
+    seen = np.isfinite(rough[:, 0])
+    if seen.sum() < FEWEST:
+        return False
+    places = board.places[seen]
+    steps, *_ = np.linalg.lstsq(np.column_stack([places, np.ones(len(places))]), rough[seen], rcond=None)
+    return bool(np.linalg.det(steps[:2]) < 0)
+
+
+def _spread_out(places: Array) -> bool:
+    """Marks on one line only say nothing of a plane."""
+    return bool(np.linalg.matrix_rank(places - places.mean(axis=0), tol=1e-6) == 2)
+
+
+def _why_not(image: NDArray[np.uint8], board: Board) -> str:
+    columns, rows = board.corners
+    if board.kind == "charuco":
+        other = rough_marks(np.ascontiguousarray(image[:, ::-1]), board)
+        if other is not None and np.isfinite(other[:, 0]).sum() >= FEWEST:
+            return MIRRORED
+        return (
+            f"no marker of a ChArUco board of {columns + 1} x {rows + 1} squares (dictionary {board.dictionary}) was found; "
+            "photograph it sharp and evenly lit, or correct squares and dictionary."
+        )
+    part = chessboard_part(image) if board.kind == "chessboard" else None
+    if part is not None and part != tuple(sorted(board.corners)):
+        return (
+            f"only {part[1]} x {part[0]} of the {columns} x {rows} corners of the chessboard were found; it must lie wholly "
+            "inside the picture, with its white border, sharp and less oblique."
+        )
+    return (
+        f"no {board.kind} of {columns} x {rows} {board.mark} was found; it must lie wholly inside the picture, with its white "
+        "border, sharp and not too oblique (or correct the counts)."
+    )

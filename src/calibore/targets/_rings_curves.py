@@ -1,0 +1,151 @@
+"""Smooth curves in a picture, rings and spokes: place, direction and curvature, and the foot of any pixel on them."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.targets._marks import Array
+from calibore.targets._rings_spokes import DEGREE, Spoke
+
+HARMONICS = 28
+"""Of the radius over the azimuth: an eccentric circle needs ln(0.01 px / R) / ln(eccentricity) of them."""
+STIFFNESS = 1e-9
+"""Penalty on n^4, per data point: bridges gaps (a ring cut by the picture's edge) without waves."""
+TABLE_STEP = 0.5
+"""px between the places tabulated along a curve."""
+FOOT_STEPS = 3
+OUTLYING = 4.0
+"""Robust standard deviations beyond which data hardly bend a curve."""
+
+
+class Round(NamedTuple):
+    """A smooth function of the azimuth: `coefficients` (1 + 2 n,) of 1, cos, sin, cos 2, sin 2, ..."""
+
+    coefficients: Array
+
+    def __call__(self, azimuth: Array) -> Array:
+        return self.derivatives(azimuth)[0]
+
+    def derivatives(self, azimuth: Array) -> tuple[Array, Array, Array]:
+        """Value, first and second derivative (n,) by the azimuth, as a sum of complex harmonics."""
+        count = self.coefficients.size // 2
+        order = np.arange(1, count + 1)
+        amplitude = self.coefficients[1::2] - 1j * self.coefficients[2::2]
+        wave = np.exp(1j * np.outer(azimuth, order))
+        value = self.coefficients[0] + (wave @ amplitude).real
+        return value, (wave @ (1j * order * amplitude)).real, (wave @ (-(order**2) * amplitude)).real
+
+
+def harmonics(azimuth: Array, count: int) -> Array:
+    """Columns (n, 1 + 2 count): 1, cos, sin, cos 2, sin 2, ... of the azimuth."""
+    turns = np.outer(azimuth, np.arange(1, count + 1))
+    columns = np.empty((azimuth.size, 1 + 2 * count))
+    columns[:, 0], columns[:, 1::2], columns[:, 2::2] = 1, np.cos(turns), np.sin(turns)
+    return columns
+
+
+def fit_round(azimuth: Array, values: Array, *, count: int = HARMONICS, stiffness: float = STIFFNESS) -> Round:
+    """A smooth function through `values` (n,) at `azimuth` (n,), outliers weighing little."""
+    design = harmonics(azimuth, count)
+    order = np.repeat(np.arange(1, count + 1), 2)
+    penalty = np.diag(np.concatenate([[0.0], stiffness * azimuth.size * order.astype(float) ** 4]))
+    weight = np.ones(values.shape)
+    for _ in range(4):
+        weighted = design * weight[:, None]
+        coefficients = np.linalg.solve(weighted.T @ design + penalty, weighted.T @ values)
+        residual = values - design @ coefficients
+        scatter = 1.4826 * np.median(np.abs(residual)) + 1e-9
+        weight = 1 / (1 + (residual / (OUTLYING * scatter)) ** 4)
+    return Round(coefficients)
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Tabulated at m places: `point` (m, 2) [px], unit `normal` (m, 2), `speed` (m,) [px per place], `bend` (m,) [1/px]
+    (positive where the centre of curvature lies against the normal), length `arc` (m,) [px] up to each place, and
+    the `parameter` (m,) of the places: azimuth [rad] of a ring, `closed`, or distance [px] along a spoke.
+    """
+
+    point: Array
+    normal: Array
+    speed: Array
+    bend: Array
+    arc: Array
+    parameter: Array
+    closed: bool
+
+    def at(self, table: Array, index: Array) -> Array:
+        """`table` (m, ...) between its places, linearly; an open curve ends at its ends."""
+        size = len(table)
+        whole = np.floor(index).astype(np.intp)
+        whole = whole % size if self.closed else np.clip(whole, 0, size - 2)
+        part = index - np.floor(index) if self.closed else index - whole
+        nearby = (whole + 1) % size
+        part = part.reshape(part.shape + (1,) * (table.ndim - 1))
+        return table[whole] + part * (table[nearby] - table[whole])
+
+    def start(self, parameter: Array) -> Array:
+        """The index (n,) of a parameter."""
+        step = self.parameter[1] - self.parameter[0]
+        return (parameter - self.parameter[0]) / step
+
+    def foot(self, places: Array, index: Array) -> tuple[Array, Array]:
+        """Index of the nearest place of the curve, and distance [px] along its normal, of `places` (n, 2)."""
+        tangent = np.stack([self.normal[:, 1], -self.normal[:, 0]], axis=1) * self._handed
+        for _ in range(FOOT_STEPS):
+            step = np.sum((places - self.at(self.point, index)) * self.at(tangent, index), axis=1)
+            index = index + step / self.at(self.speed, index)
+        return index, np.sum((places - self.at(self.point, index)) * self.at(self.normal, index), axis=1)
+
+    @property
+    def _handed(self) -> float:
+        """-1 on a ring (outward normal, growing azimuth), 1 on a spoke (normal towards growing azimuth)."""
+        return -1.0 if self.closed else 1.0
+
+    @property
+    def length(self) -> float:
+        return float(self.arc[-1] + (self.speed[-1] if self.closed else 0.0))
+
+
+def ring_curve(centre: Array, radius: Round) -> Curve:
+    """The closed curve at `radius` [px] of the azimuth round the centre; its normal points outwards."""
+    coarse = radius(np.linspace(0, 2 * np.pi, 256, endpoint=False))
+    azimuth = np.arange(int(np.ceil(2 * np.pi * coarse.max() / TABLE_STEP))) * 1.0
+    step = 2 * np.pi / azimuth.size
+    azimuth *= step
+    r, slope, second = radius.derivatives(azimuth)
+    outward = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    turned = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
+    speed = np.hypot(r, slope)
+    normal = (r[:, None] * outward - slope[:, None] * turned) / speed[:, None]
+    bend = (r * r + 2 * slope * slope - r * second) / speed**3
+    arc = np.concatenate([[0.0], np.cumsum(speed * step)[:-1]])
+    return Curve(centre + r[:, None] * outward, normal, speed * step, bend, arc, azimuth, True)
+
+
+def spoke_curve(spoke: Spoke, first: float, last: float) -> Curve:
+    """The open curve along a spoke from the distance `first` to `last` [px]; its normal points to growing azimuth."""
+    distance = np.arange(first, last, TABLE_STEP)
+    polynomial = np.polynomial.polynomial
+    slope = polynomial.polyval(distance, polynomial.polyder(spoke.coefficients))
+    second = polynomial.polyval(distance, polynomial.polyder(spoke.coefficients, 2))
+    speed = np.sqrt(1 + slope**2)
+    normal = (spoke.across - slope[:, None] * spoke.along) / speed[:, None]
+    arc = np.concatenate([[0.0], np.cumsum(speed * TABLE_STEP)[:-1]])
+    return Curve(spoke.points(distance), normal, speed * TABLE_STEP, -second / speed**3, arc, distance, False)
+
+
+def refitted(spoke: Spoke, places: Array, sigma: Array) -> Spoke:
+    """The spoke through measured `places` (n, 2) [px] with `sigma` (n,) [px]."""
+    s, t = (places - spoke.centre) @ spoke.along, (places - spoke.centre) @ spoke.across
+    reach = float(s.max())
+    design = np.vander(s / reach, DEGREE + 1, increasing=True) / sigma[:, None]
+    weight = np.ones(s.shape)
+    for _ in range(4):
+        solution = np.linalg.lstsq(design * weight[:, None], t / sigma * weight, rcond=None)[0]
+        weight = 1 / (1 + ((t / sigma - design @ solution) / OUTLYING) ** 2)
+    return Spoke(spoke.centre, spoke.azimuth, solution / reach ** np.arange(DEGREE + 1), spoke.length)
+
+
