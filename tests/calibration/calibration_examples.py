@@ -22,6 +22,7 @@ from calibore.lasers import Plane
 from calibore.optics import Camera, Lens
 from calibore.rigs import Laser, Rig, ValidRegion
 from calibore.uncertainty import Covariance, Quantity
+from calibore.units import parse_quantity
 
 NAMES = ("laser.baseline", "laser.tilt_x", "camera.k", "camera.principal_point_u")
 POSES = ("pose.0.x", "pose.1.x")
@@ -158,12 +159,13 @@ def in_child(action) -> int:
 
 def survive_kills(out: Path, kills: int) -> None:
     """Kill runs that replace an earlier FILE at many changes of the disk; look at what is there."""
-    import xarray  # noqa: F401
-    import zarr  # noqa: F401
+    import xarray.backends.zarr  # noqa: F401
+    import zarr.codecs  # noqa: F401
 
+    parse_quantity("1 m", "length")
     assert in_child(lambda: write_calibration(calibration(1), out)) == 0
     total = _changes_of_a_run(out)
-    moments = [*range(total - 12, total + 1), *np.random.default_rng(3).choice(total - 12, kills, replace=False)]
+    moments = [*range(total - 9, total + 1), *np.random.default_rng(3).choice(total - 10, kills, replace=False)]
     assert in_child(lambda: write_calibration(calibration(1), out)) == 0
     old, found = 1, set()
     for new, moment in enumerate(map(int, moments), start=2):

@@ -1,23 +1,63 @@
 """From pictures of known things to parameters with covariance, and to the evidence that they can be trusted.
 
 `Calibration`   what was found: rig or camera, covariance, model comparison, valid region, evidence
+`calibrate`     the calibration that a target.toml asks for
 `write_calibration`, `read_calibration`   its FILE, a rig file or the part of one, and its evidence beside it
 `check_calibration_file`   whether a FILE may be written, before any work
 `recomputed_covariance`, `verify_inputs`   whether FILE, evidence and inputs still agree
+`projection_uncertainty`, `wall_uncertainty`   what a covariance means in pixels over the image, in metres on the wall
+`difference`    -> `Difference`: is this the same camera as last year; `halves`: half of the pictures against the rest
+`plan`          -> `Plan`: which picture of a target to take next; `read_planned_target`
 """
 
 from calibore.calibration._calibration import Calibration, Comparison, InputFile, Observations
+from calibore.calibration._difference import Difference, difference
+from calibore.calibration._dispatch import calibrate
 from calibore.calibration._evidence_covariance import recomputed_covariance
 from calibore.calibration._file import check_calibration_file, read_calibration, verify_inputs, write_calibration
+from calibore.calibration._file_units import unit_of_parameter
+from calibore.calibration._halves import Halves, halves
+from calibore.calibration._on_the_wall import WallUncertainty, wall_uncertainty
+from calibore.calibration._planning import Plan, Step, plan
+from calibore.calibration._planning_shots import Shot
+from calibore.calibration._planning_targets import (
+    PlannedBoard,
+    PlannedFlats,
+    PlannedGauges,
+    PlannedRings,
+    PlannedTarget,
+    read_planned_target,
+)
+from calibore.calibration._projection import ProjectionUncertainty, projection_uncertainty
 
 __all__ = [
     "Calibration",
     "Comparison",
+    "Difference",
+    "Halves",
     "InputFile",
     "Observations",
+    "Plan",
+    "PlannedBoard",
+    "PlannedFlats",
+    "PlannedGauges",
+    "PlannedRings",
+    "PlannedTarget",
+    "ProjectionUncertainty",
+    "Shot",
+    "Step",
+    "WallUncertainty",
+    "calibrate",
     "check_calibration_file",
+    "difference",
+    "halves",
+    "plan",
+    "projection_uncertainty",
     "read_calibration",
+    "read_planned_target",
     "recomputed_covariance",
+    "unit_of_parameter",
     "verify_inputs",
+    "wall_uncertainty",
     "write_calibration",
 ]

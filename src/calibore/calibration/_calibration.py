@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore.errors import InputError
 from calibore.optics import Camera
 from calibore.rigs import Rig, ValidRegion
 from calibore.uncertainty import Covariance, Quantity
@@ -64,6 +65,15 @@ class Observations:
     names: tuple[str, ...]
     unit: str = "px"
     whitened: Array | None = None
+
+    def __post_init__(self) -> None:
+        n, q = self.residual.size, len(self.names)
+        shapes = {name: (n,) for name in ("file", "u", "v", "residual", "sigma", "weight", "group")}
+        for name, shape in (shapes | {"jacobian": (n, q)}).items():
+            if getattr(self, name).shape != shape:
+                raise InputError(f"Observations need {name} of shape {shape}, got {getattr(self, name).shape}.")
+        if self.whitened is not None and self.whitened.shape[1:] != (q,):
+            raise InputError(f"Observations need {q} columns of whitened, got the shape {self.whitened.shape}.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """What a calibration's FILE says -> Calibration without its evidence."""
 
+from collections.abc import Iterable
 from math import inf, nan
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,16 +9,20 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 from calibore.calibration._calibration import Calibration, Comparison, InputFile, Observations
+from calibore.calibration._rig_values import value_of
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import InputError
+from calibore.lasers import Plane
 from calibore.optics import Camera
-from calibore.rigs import Rig, ValidRegion, read_camera, read_rig
+from calibore.rigs import Laser, Rig, ValidRegion, read_camera, read_rig
 from calibore.uncertainty import Covariance, Quantity
 
 AnyNumber = Annotated[float, Field(allow_inf_nan=True)]
 """What was not computed is NaN."""
 TABLES = ("format", "configuration", "camera", "laser", "uncertainty", "calibration")
 """Of a rig file; others are settings."""
+CHANGED, ROUNDING = 1e-6, 1e-12
+"""Of its u and of the value itself: a difference of rounding is no change by hand."""
 
 
 class EstimateTable(Document):
@@ -98,14 +103,19 @@ class _Heading(Document):
 def calibration_of(path: Path, file: CalibrationFile, observations: Observations) -> Calibration:
     """Everything the file says, with the `observations` it rests on."""
     table = file.calibration
-    rig, camera = _parts(path, file)
+    if len(table.values) != len(table.parameters):
+        count, got = len(table.parameters), len(table.values)
+        raise InputError(f"{path}: calibration.values: {count} parameters need as many values, got {got}.")
     values = dict(zip(table.parameters, table.values, strict=True))
+    rig, camera = _parts(path, file)
+    covariance = Covariance(table.parameters, np.array(table.covariance).reshape((len(values),) * 2))
+    _check_unchanged(path, rig or camera, zip(values, values.values(), covariance.u, strict=True))
     return Calibration(
         kind=table.kind,
         rig=rig,
         camera=camera,
         values=values,
-        covariance=Covariance(table.parameters, np.array(table.covariance).reshape((len(values),) * 2)),
+        covariance=covariance,
         degrees_of_freedom=table.degrees_of_freedom,
         noise=table.noise,
         group_sigma=table.group_sigma,
@@ -124,6 +134,21 @@ def _parts(path: Path, file: CalibrationFile) -> tuple[Rig | None, Camera | None
         rig = read_rig(path)
         return rig, rig.camera
     return None, read_camera(path).camera if file.camera is not None else None
+
+
+def _check_unchanged(path: Path, part: Rig | Camera | None, known: Iterable[tuple[str, float, float]]) -> None:
+    """Raise InputError where a parameter is no longer what was calibrated: its covariance would mean nothing. `known`:
+    names, values and standard uncertainties.
+    """
+    if part is None:
+        return
+    holder = Rig("perpendicular-plane", part, (Laser(Plane(1.0)),)) if isinstance(part, Camera) else part
+    for name, value, u in known:
+        if name in part.parameter_names and abs(value_of(holder, name) - value) > CHANGED * u + ROUNDING * abs(value):
+            raise InputError(
+                f"{path}: {name} is {value_of(holder, name):.10g} in the rig but was calibrated as {value:.10g}; put "
+                "the calibrated value back, or calibrate again."
+            )
 
 
 def _model(table: ModelTable) -> Comparison:

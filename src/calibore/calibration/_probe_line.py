@@ -87,7 +87,7 @@ def _better(simple: Array, richer: Array, residuals: Array, data: Array) -> tupl
 
 
 def _alike(residuals: Array) -> tuple[float, float]:
-    """Correlation of neighbours, and p of von Neumann's ratio (normal limit) against greater likeness."""
+    """Correlation of neighbours, and p of von Neumann's ratio (about 2 by chance, normal limit) for greater likeness."""
     from scipy.special import ndtr
 
     n, square = residuals.size, float(residuals @ residuals)
@@ -96,4 +96,4 @@ def _alike(residuals: Array) -> tuple[float, float]:
     ratio = float(np.sum(np.diff(residuals) ** 2)) / square
     share = float(np.clip(residuals[1:] @ residuals[:-1] / square, 0.0, 0.9))
     spread = 2 * np.sqrt((n - 2) / (n * n - 1))
-    return share, float(ndtr((ratio - 2 * n / (n - 1) * (n - 1) / n) / spread))
+    return share, float(ndtr((ratio - 2) / spread))

@@ -26,7 +26,7 @@ DEFAULT_U_SLIDE = 0.0005 * 0.0254
 """m; a dial caliper with a depth probe, as the dissertation's (8.2.3)."""
 DEFAULT_U_TURNTABLE = np.radians(0.05)
 """rad; a turntable with a vernier. Both pins shift alike, so the pupil hardly depends on it."""
-ROWS = 170
+ROWS = 85
 """Rows used per pin and picture: blur makes neighbours alike."""
 
 

@@ -1,6 +1,7 @@
 """Calibration of a side-facing head by a flat target at known ranges (Swanbom 2007, section 7.4)."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from calibore.calibration._references import FlatTarget
 from calibore.calibration._rig_findings import observations_of, zeniths_of
 from calibore.calibration._rig_fit import RigFit, fit_rig
 from calibore.calibration._rig_values import value_of, values_of
-from calibore.calibration._stops import without_wrong_stops
+from calibore.calibration._stops import Suspect, without_wrong_stops
 from calibore.errors import InputError
 from calibore.rigs import Rig, ValidRegion
 from calibore.uncertainty import Covariance
@@ -70,9 +71,9 @@ def fit_range(rig: Rig, looks: Iterable[Look], *, known: Covariance | None) -> R
             found = fit_rig(rig, looks, free=free, prior=prior, bounds=bounds)
     except InputError as error:
         raise InputError(
-            f"{str(error).rstrip('.')}. The head was looked for near baseline {1e3 * value_of(rig, HEAD[0]):.4g} mm, aim "
-            f"{np.degrees(value_of(rig, HEAD[1])):.4g} deg, k {rig.camera.lens.k:.5g} px: check these, the lens law, "
-            "range_step and the ranges in the pictures' names."
+            f"{str(error).rstrip('.')}. The head was looked for near baseline {1e3 * value_of(rig, HEAD[0]):.4g} mm, "
+            f"aim {np.degrees(value_of(rig, HEAD[1])):.4g} deg, k {rig.camera.lens.k:.5g} px: check these, the lens "
+            "law, range_step and the ranges in the pictures' names."
         ) from error
     baseline, u = value_of(found.rig, HEAD[0]), found.change(HEAD[0])[1]
     if u > TELLING * baseline:
@@ -130,20 +131,21 @@ def _range(look: Look) -> float:
 
 def _bounds(rig: Rig, free: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     """Of the changes."""
-    bounds = {name: tuple((limit - 1) * value_of(rig, name) for limit in BOUNDS[name]) for name in free if name in BOUNDS}
     aim = value_of(rig, HEAD[1])
-    return {**bounds, HEAD[1]: (-min(WIDEST_TURN, aim), min(WIDEST_TURN, np.pi / 2 - aim))}
+    bounds = {HEAD[1]: (-min(WIDEST_TURN, aim), min(WIDEST_TURN, np.pi / 2 - aim))}
+    for name, (least, most) in BOUNDS.items():
+        if name in free:
+            bounds[name] = (least - 1) * value_of(rig, name), (most - 1) * value_of(rig, name)
+    return bounds
 
 
-def _calibration(target: RangeTarget, pictures: LinePictures, found: RigFit, wrong: list) -> Calibration:
+def _calibration(target: RangeTarget, pictures: LinePictures, found: RigFit, wrong: list[Suspect]) -> Calibration:
     unit: Unit = target.unit
     ranges = [_range(look) for look in found.model.looks]
     left_out = {one.stop: one for one in wrong}
     files = list(pictures.files)
     for look in pictures.looks:
         if look.name in left_out:
-            from dataclasses import replace
-
             off = unit.said(left_out[look.name].off, 0.01 * unit.size)
             files[look.file] = replace(files[look.file], refused=f"its range is off by {off}")
     return Calibration(

@@ -39,8 +39,8 @@ def range_findings(target: RangeTarget, pictures: LinePictures, found: RigFit) -
     if "camera.principal_point_u" not in found.free:
         u, v = found.rig.camera.principal_point
         sentences.append(
-            f"The aim is the angle of the ray through column {u:g}, row {v:g}, which was not looked for: a shift of the "
-            "principal point along the rows is a change of the aim, and no range changes by it."
+            f"The aim is the angle of the ray through column {u:g}, row {v:g}, which was not looked for: a shift of "
+            "the principal point along the rows is a change of the aim, and no range changes by it."
         )
     sentences += [f"Take {take} has room light (at {times} stops); it was not used." for take, times in _lit(pictures)]
     return sentences

@@ -82,7 +82,7 @@ def _look(picture: Picture, target: RangeTarget, index: int, channel: str) -> Lo
     place = target.range_of(index)
     reference = FlatTarget(place, u=target.said.u_range, u_tilt=(0.0, target.said.u_tilt))
     v = np.arange(strips) * rows + (rows - 1) / 2
-    across = np.tile([1.0, 0.0], (np.count_nonzero(whole), 1))
+    across = np.tile([1.0, 0.0], (int(np.count_nonzero(whole)), 1))
     name = target.unit.said(place, 0.01 * target.said.range_step)
     return Look(stripe.v[whole], v[whole], across, stripe.u_position[whole], reference, name, setting="target")
 

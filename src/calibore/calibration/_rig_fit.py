@@ -10,7 +10,7 @@ from calibore.calibration._looks import Look
 from calibore.calibration._rig_model import ERROR, RigModel, nearest_branches
 from calibore.errors import InputError
 from calibore.fitting import Fit, least_squares
-from calibore.rigs import Rig, margin
+from calibore.rigs import Rig, margin, triangulate
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
@@ -19,6 +19,8 @@ NEAR_FOLD = 25.0
 SETTLED = 0.02
 """Weights are settled when a fit with new ones moves no parameter by more of its standard uncertainty."""
 MOST_ROUNDS = 5
+UNTOLD = 1e-9
+"""Of the largest singular value of the scaled Jacobian: directions below are told by nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +54,14 @@ class RigFit:
         """The same fit to other looks."""
         return fit_rig(self.model.rig, looks, free=self.free, prior=self.prior, bounds=self.bounds)
 
+    def radii(self) -> Array:
+        """Distances (n,) [m] of all marks from the rig axis."""
+        points = [
+            triangulate(self.rig, look.u, look.v, laser=look.laser, branch=branch).radius
+            for look, branch in zip(self.model.looks, self.model.branches, strict=True)
+        ]
+        return np.concatenate(points)
+
     def change(self, name: str) -> tuple[float, float]:
         """How far a parameter was moved, and its standard uncertainty."""
         index = self.fit.names.index(name)
@@ -74,7 +84,7 @@ def fit_rig(
     residuals. Raises InputError where the evidence does not suffice or the fit fails.
     """
     model = _with_branches(RigModel(rig, tuple(looks), tuple(free)))
-    model = _usable(model, model.start())
+    model = _usable(model)
     known, values, rounds = _prior(model, prior), model.start(), 0
     while True:
         slope, before = model.evaluate(values)[2], values
@@ -98,16 +108,40 @@ def fit_rig(
     return RigFit(model.moved_rig(values).knowing(covariance, freedom), fit, model, slope, prior, bounds)
 
 
+def foreseen(
+    rig: Rig, looks: Iterable[Look], *, free: Iterable[str], prior: Covariance | None = None
+) -> dict[str, float]:
+    """Standard uncertainties of the parameters `free` that a fit would give about the rig as it is, were the marks of
+    `looks` as noisy as they say; infinite where they tell nothing.
+    """
+    model = _usable(_with_branches(RigModel(rig, tuple(looks), tuple(free))))
+    _, jacobian, slope = model.evaluate(model.start())
+    rows = jacobian / (np.concatenate([look.sigma for look in model.looks]) * np.abs(slope))[:, None]
+    known = _prior(model, prior)
+    if known is not None:
+        names, _, matrix = known
+        root = np.linalg.inv(np.linalg.cholesky(matrix))
+        rows = np.concatenate([rows, root @ np.eye(len(model.names))[[model.names.index(name) for name in names]]])
+    scale = np.linalg.norm(rows, axis=0)
+    scale = np.where(scale > 0, scale, 1.0)
+    _, singular, turned = np.linalg.svd(rows / scale, full_matrices=False)
+    told = singular > UNTOLD * singular[0]
+    variance = np.sum((turned[told] / singular[told, None]) ** 2, axis=0)
+    lost = np.sum(turned[~told] ** 2, axis=0) > UNTOLD
+    u = np.where(lost, np.inf, np.sqrt(variance) / scale)
+    return dict(zip(model.free, u.tolist(), strict=False))
+
+
 def _with_branches(model: RigModel) -> RigModel:
     """`model` with the meetings nearest to the references: first as they should stand, then as they were set up."""
     model = replace(model, branches=nearest_branches(model, np.zeros(len(model.names))))
     return replace(model, branches=nearest_branches(model, model.start()))
 
 
-def _usable(model: RigModel, values: Array) -> RigModel:
+def _usable(model: RigModel) -> RigModel:
     """Only the marks that meet their laser's light, far enough from its folds."""
     looks, branches = [], []
-    lit, rig = np.isfinite(model.evaluate(values)[0]), model.rig.knowing(None)
+    lit, rig = np.isfinite(model.evaluate(model.start())[0]), model.rig.knowing(None)
     for number, (look, branch) in enumerate(zip(model.looks, model.branches, strict=True)):
         m = margin(rig, look.u, look.v, branch=branch, u_pixel=look.sigma, direction=look.direction, laser=look.laser)
         kept = lit[model.look_of == number] & (m >= NEAR_FOLD)

@@ -1,7 +1,6 @@
 """Marks of a ring target, triangulated onto its plane: how far they are from the rings and spokes they belong to."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -9,15 +8,15 @@ from numpy.typing import NDArray
 
 from calibore.calibration._lens_models import ASPECT, CENTRE, LensModel
 from calibore.calibration._rings_target import Place, RingTarget
+from calibore.errors import InputError
 from calibore.optics import Camera
 from calibore.rigs import Laser, Rig, triangulate
 from calibore.targets import RingMarks
 
 Array = NDArray[np.float64]
+Whole = NDArray[np.intp]
 
 PLANE = ("laser.baseline", "laser.tilt_x", "laser.tilt_y")
-LOST = 1e3
-"""px: residual of a mark that the lens cannot image; no step of a fit may end there."""
 
 
 class Printed(NamedTuple):
@@ -53,17 +52,28 @@ class RingModel:
 
     def __call__(self, values: Array) -> tuple[Array, Array]:
         """Residuals (n,) [px] along each mark's direction, measured minus predicted, and the Jacobian (n, p) of the
-        predictions.
+        predictions; NaN for marks that the lens does not image.
         """
-        residuals, jacobian = np.zeros(self._size), np.zeros((self._size, len(self.names)))
-        camera, start = self.camera(values), 0
+        try:
+            camera, targets = self.camera(values), [self.target(values, i) for i in range(len(self.marks))]
+            rigs = [Rig("perpendicular-plane", camera, (Laser(target.plane),)) for target in targets]
+        except InputError:  # no such camera: a step that went too far
+            n = sum(marks.u.size for marks in self.marks)
+            return np.full(n, np.nan), np.full((n, len(self.names)), np.nan)
+        parts = [self._one_picture(values, rig, targets[i], i) for i, rig in enumerate(rigs)]
+        residuals, jacobians = zip(*parts, strict=True)
+        return np.concatenate(residuals), np.concatenate(jacobians)
+
+    def pixels_per_metre(self, values: Array) -> Array:
+        """(n,) how far [px] each mark moves along its direction if its line is printed 1 m farther out or aside."""
+        rigs = [self.rig(values, i) for i in range(len(self.marks))]
+        scales = []
         for number, marks in enumerate(self.marks):
-            rows = slice(start, start + marks.u.size)
-            residuals[rows], jacobian[rows] = self._one_picture(values, camera, number)
-            start = rows.stop
-        lost = ~np.isfinite(residuals)
-        residuals[lost], jacobian[lost] = LOST, 0.0
-        return residuals, jacobian
+            scale = np.zeros(marks.u.size)
+            for rows in _rings_and_spokes(marks):
+                scale[rows] = 1 / self._gap(values, rigs[number], self.target(values, number), marks, rows).slope
+            scales.append(scale)
+        return np.concatenate(scales)
 
     def camera(self, values: Array) -> Camera:
         return self.lens.camera(dict(zip(self.names, values, strict=True)), width=self.size[0], height=self.size[1])
@@ -78,60 +88,66 @@ class RingModel:
         laser = Laser(self.target(values, number).plane)
         return Rig("perpendicular-plane", self.camera(values), (laser,))
 
-    @cached_property
-    def _size(self) -> int:
-        return sum(marks.u.size for marks in self.marks)
-
-    def _one_picture(self, values: Array, camera: Camera, number: int) -> tuple[Array, Array]:
-        marks, target = self.marks[number], self.target(values, number)
-        rig = Rig("perpendicular-plane", camera, (Laser(target.plane),))
+    def _one_picture(self, values: Array, rig: Rig, target: RingTarget, number: int) -> tuple[Array, Array]:
+        marks, known = self.marks[number], [name for name in rig.parameter_names if name not in PLANE]
         residuals, jacobian = np.zeros(marks.u.size), np.zeros((marks.u.size, len(self.names)))
         columns = [self.names.index(name) for name in target_names(number)]
-        known = [i for i, name in enumerate(rig.parameter_names) if name in self.names and name not in PLANE]
-        cameras = [self.names.index(rig.parameter_names[i]) for i in known]
-        for rows, beside in ((np.flatnonzero(marks.ring > 0), False), (np.flatnonzero(marks.ring == 0), True)):
-            found = triangulate(rig, marks.u[rows], marks.v[rows])
-            place = (
-                self._beside_spoke(found.points, marks.spoke[rows], target) if beside else target.radius(found.points)
-            )
-            by_point = place.by_point[:, None, :]
-            slope = np.einsum("nij,nj->ni", by_point @ found.d_pixel, marks.direction[rows])[:, 0]
-            by_rig = (by_point @ found.d_parameters)[:, 0]
-            by_target = place.by_parameters.copy()
-            by_target[:, :3] += by_rig[:, :3]
-            gap = place.value if beside else self._beyond_ring(values, place.value, slope, marks, rows, rig, target)
-            residuals[rows] = gap / slope
-            jacobian[np.ix_(rows, columns)] = -by_target / slope[:, None]
-            jacobian[np.ix_(rows, cameras)] = -by_rig[:, known] / slope[:, None]
-            if self.printed_errors and not beside:
-                jacobian[rows, len(self.names) - self.printed.radii.size + marks.ring[rows] - 1] = 1 / slope
+        fitted = [i for i, name in enumerate(known) if name in self.names]
+        cameras = [self.names.index(known[i]) for i in fitted]
+        for rows in _rings_and_spokes(marks):
+            gap = self._gap(values, rig, target, marks, rows)
+            residuals[rows] = gap.value / gap.slope
+            jacobian[np.ix_(rows, columns)] = -gap.by_target / gap.slope[:, None]
+            jacobian[np.ix_(rows, cameras)] = -gap.by_camera[:, fitted] / gap.slope[:, None]
+            if self.printed_errors and marks.ring[rows[0]]:
+                jacobian[rows, len(self.names) - self.printed.radii.size + marks.ring[rows] - 1] = 1 / gap.slope
         return residuals, jacobian
 
-    def _beside_spoke(self, points: Array, spoke: NDArray[np.intp], target: RingTarget) -> Place:
-        return target.across(points, spoke * (2 * np.pi / self.printed.spokes))
+    def _gap(self, values: Array, rig: Rig, target: RingTarget, marks: RingMarks, rows: Whole) -> "Gap":
+        u, v, direction = marks.u[rows], marks.v[rows], marks.direction[rows]
+        found = triangulate(rig, u, v)
+        if marks.ring[rows[0]]:
+            place = target.radius(found.points)
+        else:
+            place = target.across(found.points, marks.spoke[rows] * (2 * np.pi / self.printed.spokes))
+        by_point = place.by_point[:, None, :]
+        slope = np.einsum("nij,nj->ni", by_point @ found.d_pixel, direction)[:, 0]
+        by_rig = (by_point @ found.d_parameters)[:, 0]
+        by_target = place.by_parameters + np.pad(by_rig[:, :3], [(0, 0), (0, 3)])
+        value = place.value
+        if marks.ring[rows[0]]:
+            half = (self.printed.ink_width / 2 / slope)[:, None] * direction
+            value = _middle_of_edges(rig, target, (u, v), half) if self.printed.ink_width else value
+            value = value - self._radii(values)[marks.ring[rows] - 1]
+        return Gap(value, slope, by_target, by_rig[:, 3:])
 
-    def _beyond_ring(
-        self,
-        values: Array,
-        radius: Array,
-        slope: Array,
-        marks: RingMarks,
-        rows: NDArray[np.intp],
-        rig: Rig,
-        target: RingTarget,
-    ) -> Array:
-        """How far beyond its ring a mark is [m]. It is the middle between the edges of the ink as they appear, not the
-        image of the ink's middle: the radii of its edges, not its own, have the printed radius as their mean.
-        """
+    def _radii(self, values: Array) -> Array:
         printed = self.printed.radii
-        if self.printed_errors:
-            printed = printed + values[-printed.size :]
-        if self.printed.ink_width:
-            half = (self.printed.ink_width / 2 / np.abs(slope))[:, None] * marks.direction[rows]
-            u, v = marks.u[rows], marks.v[rows]
-            edges = [_radius(rig, target, u + way * half[:, 0], v + way * half[:, 1]) for way in (-1, 1)]
-            radius = (edges[0] + edges[1]) / 2
-        return radius - printed[marks.ring[rows] - 1]
+        return printed + values[-printed.size :] if self.printed_errors else printed
+
+
+class Gap(NamedTuple):
+    """How far marks are beyond their rings or beside their spokes, `value` (m,) [m], its `slope` (m,) [m/px] along their
+    directions, its derivatives by the place of the target (m, 6) and by the camera (m, c).
+    """
+
+    value: Array
+    slope: Array
+    by_target: Array
+    by_camera: Array
+
+
+def _rings_and_spokes(marks: RingMarks) -> list[Whole]:
+    rows = np.flatnonzero(marks.ring > 0), np.flatnonzero(marks.ring == 0)
+    return [some for some in rows if some.size]
+
+
+def _middle_of_edges(rig: Rig, target: RingTarget, pixels: tuple[Array, Array], half: Array) -> Array:
+    """A mark is the middle between the edges of the ink as they appear, `half` (n, 2) [px] away, not the image of the
+    ink's middle: the radii of its edges, not its own, have the printed radius as their mean.
+    """
+    edges = [_radius(rig, target, pixels[0] + way * half[:, 0], pixels[1] + way * half[:, 1]) for way in (-1, 1)]
+    return (edges[0] + edges[1]) / 2
 
 
 def _radius(rig: Rig, target: RingTarget, u: Array, v: Array) -> Array:

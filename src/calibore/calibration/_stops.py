@@ -37,8 +37,10 @@ def suspects(found: RigFit) -> list[Suspect]:
     from scipy import special
 
     explicit, freedom = (found, np.inf) if found.model.stated else _explicit(found)
-    result = []
-    for stop in explicit.model.uncertain_stops if explicit else ():
+    result: list[Suspect] = []
+    if explicit is None:
+        return result
+    for stop in explicit.model.uncertain_stops:
         change, u_after = explicit.change(f"{stop}.{ERROR}")
         u = explicit.model.stops[stop].u or 0.0
         told = 1 / u_after**2 - 1 / u**2

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from calibore import __version__
+from calibore.cli._calibrate import calibrate
 from calibore.cli._demo import demo
 from calibore.cli._design import design
 from calibore.cli._export import export
@@ -43,6 +44,7 @@ def _common(
 
 for verb in (demo, profile, export, reproduce):
     app.command()(verb)
+app.add_typer(calibrate)
 app.add_typer(design)
 
 

@@ -13,14 +13,15 @@ from calibore.fitting._fit import Fit, satterthwaite
 from calibore.fitting._likelihood import Unknowns, most_likely, unknowns_of
 from calibore.fitting._minimise import minimise
 from calibore.fitting._mixed import MixedModel, Scatter, Solution
-from calibore.fitting._outliers import agreeing, resistant
+from calibore.fitting._outliers import agreeing, first_deviation, resistant
 from calibore.fitting._problem import Mask, Model, Prior, Problem, Rows, check_bounds, posed
-from calibore.fitting._rank import basis_of
-from calibore.fitting._whitening import whitening
+from calibore.fitting._rank import spectrum, triangle
+from calibore.fitting._whitening import whitened, whitening
 
 Array = NDArray[np.float64]
 
-ROUNDS = 10
+ROUNDS = 20
+SELECTIONS = 6  # rounds after which the choice of outliers rests
 SETTLED = 0.01  # standard uncertainties: a change of parameters that no longer matters
 EXACT = 1e-12  # of the largest first residual: noise that is only rounding
 FAINTEST = 1e-18  # smallest noise, in the unit of the data
@@ -77,11 +78,22 @@ def least_squares(
 
 
 class Estimate(NamedTuple):
+    """`solution` in the `basis` (p, rank) of the parameters."""
+
     rows: Rows
     solution: Solution
     unknowns: Unknowns
     basis: Array
-    root: Array
+
+    @property
+    def step(self) -> Array:
+        """Change (p,) of the parameters that the scatter found asks for."""
+        return self.basis @ self.solution.step
+
+    @property
+    def settled(self) -> bool:
+        step = self.solution.step
+        return bool(step @ np.linalg.solve(self.solution.covariance, step) < SETTLED**2)
 
 
 def _settled(
@@ -89,16 +101,92 @@ def _settled(
 ) -> tuple[Array, Mask, Estimate]:
     """Parameters, scatter and outliers found in turn until none of them matters to the others."""
     rows = problem.rows(used)
-    values = minimise(_whitened(problem, rows, None), values)
-    scatter = None
-    for _ in range(ROUNDS):
-        estimate = _estimated(problem, values, rows, scatter, known)
-        scatter = estimate.solution.scatter
-        step = estimate.basis @ estimate.solution.step
-        finite, agree = _still_used(problem, values, estimate, robust=robust)
-        again = agree if robust else finite
-        if np.array_equal(again, used) and _negligible(estimate):
+    deviation = known.noise or first_deviation(problem, rows, values)
+    scatter, first = Scatter(deviation**2, (known.group_sigma or 0.0) ** 2, WHITE), True
+    faintest = max(EXACT * float(np.abs(problem.linearised(values, rows)[0]).max()), FAINTEST)
+    for number in range(ROUNDS):
+        values = minimise(whitened(problem, rows, scatter), values)
+        estimate = _estimated(problem, values, rows, known, None if first else scatter, faintest=faintest)
+        scatter, first = estimate.solution.scatter, False
+        again = _used(problem, values, estimate, robust=robust) if number < SELECTIONS else used
+        if np.array_equal(again, used) and estimate.settled:
             return values, used, estimate
-        used, rows = again, problem.rows(again)
-        values = minimise(_whitened(problem, rows, scatter), values + step)
+        used, rows, values = again, problem.rows(again), values + estimate.step
     raise InputError("Parameters and scatter of the fit do not settle; add data, or fit without groups or chains.")
+
+
+def _used(problem: Problem, values: Array, estimate: Estimate, *, robust: bool) -> Mask:
+    """Residuals with a value at `values`; with `robust` only those that agree with the others."""
+    residuals, jacobian = problem.model(values)
+    usable = np.isfinite(residuals) & np.isfinite(jacobian).all(axis=1)
+    if not robust:
+        return usable
+    rows = problem.rows(usable)
+    return agreeing(usable, rows, residuals[rows.index] / rows.sigma - rows.loads @ estimate.solution.group_errors)
+
+
+def _estimated(
+    problem: Problem, values: Array, rows: Rows, known: Known, scatter: Scatter | None, *, faintest: float
+) -> Estimate:
+    residuals, jacobian = problem.linearised(values, rows)
+    spare = rows.index.size - len(values) + len(problem.aims)
+    noise = known.noise or max(float(np.sqrt(residuals @ residuals / max(spare, 1))), faintest)
+    basis = spectrum(triangle(np.concatenate([jacobian / noise, problem.known]))).basis
+    if scatter is None:
+        scatter = _guessed(residuals, rows, known, noise, chained=bool((problem.chain >= 0).any()))
+    table = np.column_stack([jacobian @ basis, rows.loads.toarray(), residuals])
+    model = MixedModel(
+        LagMoments(table, rows.position, scatter.chain.order),
+        basis.shape[1],
+        np.column_stack([problem.known @ basis, problem.aims - problem.known @ values]),
+    )
+    unknowns = unknowns_of(
+        model, scatter, noise_known=known.noise is not None, group_known=known.group_sigma is not None
+    )
+    return Estimate(rows, model.at(most_likely(model, unknowns)), unknowns, basis)
+
+
+def _guessed(residuals: Array, rows: Rows, known: Known, noise: float, *, chained: bool) -> Scatter:
+    """Where the search for the scatter begins: half of it in groups; neighbours as they look without the groups' means."""
+    strength = rows.loads.power(2).sum(axis=0)
+    means = (rows.loads.T @ residuals) / np.where(strength > 0, strength, 1.0)
+    chain = Autoregression(order_of(residuals - rows.loads @ means, rows.position)) if chained else WHITE
+    group = float(np.mean(means**2)) / 2 if means.size else 0.0
+    return Scatter(
+        noise**2 / chain.variances[0], group if known.group_sigma is None else known.group_sigma**2, chain
+    )
+
+
+def _fit(problem: Problem, values: Array, used: Mask, estimate: Estimate) -> Fit:
+    residuals, jacobian = problem.model(values)
+    scatter = estimate.solution.scatter
+    white = whitening(estimate.rows, scatter)(problem.linearised(values, estimate.rows)[1])
+    root = triangle(np.concatenate([white, problem.known]))
+    found, basis = confidence(estimate.solution, estimate.unknowns), estimate.basis
+    covariance, modes = basis @ found.covariance @ basis.T, basis @ found.modes @ basis.T
+    covariance[spectrum(root).confounded] = np.inf
+    each = [satterthwaite(unit, covariance, modes) for unit in np.eye(values.size)]
+    return Fit(
+        names=problem.names,
+        values=values,
+        covariance=covariance,
+        degrees_of_freedom=min(each),
+        residuals=residuals,
+        jacobian=jacobian,
+        sigma=scatter.noise * problem.sigma,
+        weights=used.astype(float),
+        noise=scatter.noise,
+        group_sigma=float(np.sqrt(scatter.group)),
+        partial_autocorrelation=scatter.chain.partial,
+        covariance_modes=modes,
+        information_root=root,
+    )
+
+
+def _check_count(problem: Problem, usable: Mask, *, spare: bool) -> None:
+    rows, parameters = int(usable.sum()) + problem.aims.size, len(problem.names)
+    needed = parameters + int(spare)
+    if rows < needed:
+        raise InputError(
+            f"{parameters} parameters need at least {needed} residuals, got {rows} that have a value; add data."
+        )

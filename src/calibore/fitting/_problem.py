@@ -55,20 +55,22 @@ class Problem:
         index = np.flatnonzero(used)
         chain = self.chain[index]
         index = index[np.argsort(chain, kind="stable")]
-        chain, group, sigma = self.chain[index], self.group[index], self.sigma[index]
-        shared = np.flatnonzero(_shares(group))
-        number = np.unique(group[shared], return_inverse=True)[1]
+        group, sigma = self.group[index], self.sigma[index]
+        shared = np.flatnonzero(group >= 0)
         loads = csr_array(
-            (self.load[index[shared]] / sigma[shared], (shared, number)),
-            shape=(index.size, int(number.max(initial=-1)) + 1),
+            (self.load[index[shared]] / sigma[shared], (shared, group[shared])),
+            shape=(index.size, int(self.group.max(initial=-1)) + 1),
         )
-        return Rows(index, sigma, _positions(chain), loads)
+        return Rows(index, sigma, _positions(self.chain[index]), loads)
 
 
-def _shares(group: Whole) -> Mask:
-    """Whether the residual shares its group with another; a group of one tells nothing about groups."""
+def _numbered(group: Whole) -> Whole:
+    """Groups as 0, 1, 2, ...; -1 of a group of one, which tells nothing about groups."""
     _, number, count = np.unique(group, return_inverse=True, return_counts=True)
-    return (group >= 0) & (count[number] > 1)
+    shares = (group >= 0) & (count[number] > 1)
+    result = np.full(group.size, -1)
+    result[shares] = np.unique(group[shares], return_inverse=True)[1]
+    return result
 
 
 def _positions(chain: Whole) -> Whole:
@@ -103,7 +105,7 @@ def posed(
         model=model,
         names=tuple(names),
         sigma=_per_residual("sigma", sigma, n, 1.0),
-        group=_labels("groups", groups, n),
+        group=_numbered(_labels("groups", groups, n)),
         load=_per_residual("group_loads", group_loads, n, 1.0),
         chain=_labels("chains", chains, n),
         known=known,

@@ -4,7 +4,8 @@
 `Mount`          where the camera stands in the rig: `FORWARD`, or `SideFacing` on a rotating head
 `ValidRegion`    where a calibration had points
 `read_rig`, `write_rig`   rig.toml (formats.md, section 3); `parts_toml` what a calibration found of one, as text
-`read_camera`    -> `KnownCamera`, with a rig or without
+`read_camera`    -> `KnownCamera`, with a rig or without; `read_rig_or_camera`
+`Probe`, `read_probe`   a tactile probe: ratio of voltages to radius
 `triangulate`    pixels to wall points, with sensitivities to pixel and parameters
 `meetings_of`, `follow_stripe`   all meetings of the rays, and which of them a stripe is made of
 `margin`         how far a meeting is from where first-order uncertainty, or the meeting itself, ceases to be
@@ -19,11 +20,12 @@ from calibore.rigs._candidates import Candidates, follow_stripe, meetings_of
 from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 from calibore.rigs._defaults import DEFAULT_LENGTH_LIMIT
 from calibore.rigs._drawing import Drawn, DrawnQuantity, monte_carlo
-from calibore.rigs._known_camera import KnownCamera, read_camera
+from calibore.rigs._known_camera import KnownCamera, read_camera, read_rig_or_camera
 from calibore.rigs._margin import margin
 from calibore.rigs._measuring import Measured, measure
 from calibore.rigs._mount import FORWARD, Forward, Mount, SideFacing
 from calibore.rigs._moving import moved
+from calibore.rigs._probe import Probe, read_probe
 from calibore.rigs._reading import read_rig
 from calibore.rigs._rig import CHANNELS, Laser, Rig
 from calibore.rigs._ring import project_ring
@@ -46,6 +48,7 @@ __all__ = [
     "Laser",
     "Measured",
     "Mount",
+    "Probe",
     "Rig",
     "Sensitivities",
     "Settled",
@@ -62,7 +65,9 @@ __all__ = [
     "parts_toml",
     "project_ring",
     "read_camera",
+    "read_probe",
     "read_rig",
+    "read_rig_or_camera",
     "triangulate",
     "write_rig",
 ]

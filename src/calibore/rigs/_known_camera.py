@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from calibore.optics import Camera
-from calibore.rigs._reading import read_part
+from calibore.rigs._reading import holds_rig, read_part, read_rig
+from calibore.rigs._rig import Rig
 from calibore.rigs._valid import ValidRegion
 from calibore.uncertainty import Covariance
 
@@ -30,3 +31,8 @@ def read_camera(path: Path | str) -> KnownCamera:
     names = [name for name in known.covariance.names if name.startswith("camera.")] if known.covariance else []
     covariance = known.covariance.restricted(names) if known.covariance and names else None
     return KnownCamera(camera, covariance, known.degrees_of_freedom, known.valid)
+
+
+def read_rig_or_camera(path: Path | str) -> Rig | KnownCamera:
+    """The rig of a whole rig file, the camera of one that holds a camera only."""
+    return read_rig(path) if holds_rig(Path(path)) else read_camera(path)

@@ -60,6 +60,11 @@ class Known(NamedTuple):
     valid: ValidRegion | None = None
 
 
+def holds_rig(path: Path) -> bool:
+    """Whether `path` names a configuration, as a whole rig file does."""
+    return read_document(path, Heading).configuration is not None
+
+
 def read_part(path: Path) -> tuple[Camera, Known]:
     """Camera of a whole or partial rig file, and what is known of its parameters, uncertainties stated included."""
     heading = read_document(path, Heading)

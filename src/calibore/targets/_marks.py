@@ -13,7 +13,8 @@ Whole = NDArray[np.intp]
 class RingMarks:
     """Points `u`, `v` (n,) [px] on dark lines, each measured along the unit vector `direction` (n, 2) with standard
     uncertainty `sigma` (n,) [px]. `ring` (n,) counts from 1 at the innermost, 0 on a spoke; `spoke` (n,) counts from
-    0 in image azimuth from +u towards +v, -1 on a ring. `centre` (u, v) [px]: where the spokes meet.
+    0 in image azimuth from +u towards +v, -1 on a ring. `centre` (u, v) [px]: where the spokes meet. `width` (n,) [px]
+    of the ink across the line at each mark, None where it is not measured.
     """
 
     u: Array
@@ -23,6 +24,7 @@ class RingMarks:
     ring: Whole
     spoke: Whole
     centre: tuple[float, float]
+    width: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,6 @@ ink edges in the picture: symmetric errors of w, s, c do not move it, the slope 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calibore.targets._marks import Array
 from calibore.targets._rings_strips import Strip
@@ -35,7 +34,7 @@ class Noise:
     gain: float
 
     def variance(self, brightness: Array) -> Array:
-        return self.additive + self.gain * np.maximum(brightness, 0)
+        return np.maximum(self.additive + self.gain * brightness, FAINTEST_LIGHT**2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +149,3 @@ def learn_noise(lines: list[Bars], start: Noise) -> Noise:
         additive, gain = np.linalg.lstsq(design, square[kept] / variance[kept], rcond=None)[0]
         noise = replace(noise, additive=float(additive), gain=float(gain))
     return noise
-
-
-Whole = NDArray[np.intp]

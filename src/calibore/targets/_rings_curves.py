@@ -11,7 +11,7 @@ from calibore.targets._rings_spokes import DEGREE, Spoke
 
 HARMONICS = 28
 """Of the radius over the azimuth: an eccentric circle needs ln(0.01 px / R) / ln(eccentricity) of them."""
-STIFFNESS = 1e-9
+STIFFNESS = 1e-6
 """Penalty on n^4, per data point: bridges gaps (a ring cut by the picture's edge) without waves."""
 TABLE_STEP = 0.5
 """px between the places tabulated along a curve."""
@@ -65,9 +65,11 @@ def fit_round(azimuth: Array, values: Array, *, count: int = HARMONICS, stiffnes
 class Curve:
     """Tabulated at m places: `point` (m, 2) [px], unit `normal` (m, 2), `speed` (m,) [px per place], `bend` (m,) [1/px]
     (positive where the centre of curvature lies against the normal), length `arc` (m,) [px] up to each place, and
-    the `parameter` (m,) of the places: azimuth [rad] of a ring, `closed`, or distance [px] along a spoke.
+    the `parameter` (m,) of the places: azimuth [rad] of a ring, `closed`, or distance [px] along a spoke; both count
+    from the `centre` (2,).
     """
 
+    centre: Array
     point: Array
     normal: Array
     speed: Array
@@ -86,10 +88,18 @@ class Curve:
         part = part.reshape(part.shape + (1,) * (table.ndim - 1))
         return table[whole] + part * (table[nearby] - table[whole])
 
-    def start(self, parameter: Array) -> Array:
-        """The index (n,) of a parameter."""
-        step = self.parameter[1] - self.parameter[0]
-        return (parameter - self.parameter[0]) / step
+    def parameter_at(self, index: Array) -> Array:
+        """The parameter (n,) of an index."""
+        return self.parameter[0] + index * (self.parameter[1] - self.parameter[0])
+
+    def start(self, places: Array) -> Array:
+        """About which index (n,) the feet of `places` (n, 2) have."""
+        offset = places - self.centre
+        if self.closed:
+            return np.arctan2(offset[:, 1], offset[:, 0]) % (2 * np.pi) / self.parameter[1]
+        chord = self.point[-1] - self.point[0]
+        along = offset @ (chord / np.hypot(*chord))
+        return (along - self.parameter[0]) / (self.parameter[1] - self.parameter[0])
 
     def foot(self, places: Array, index: Array) -> tuple[Array, Array]:
         """Index of the nearest place of the curve, and distance [px] along its normal, of `places` (n, 2)."""
@@ -122,7 +132,7 @@ def ring_curve(centre: Array, radius: Round) -> Curve:
     normal = (r[:, None] * outward - slope[:, None] * turned) / speed[:, None]
     bend = (r * r + 2 * slope * slope - r * second) / speed**3
     arc = np.concatenate([[0.0], np.cumsum(speed * step)[:-1]])
-    return Curve(centre + r[:, None] * outward, normal, speed * step, bend, arc, azimuth, True)
+    return Curve(centre, centre + r[:, None] * outward, normal, speed * step, bend, arc, azimuth, True)
 
 
 def spoke_curve(spoke: Spoke, first: float, last: float) -> Curve:
@@ -134,7 +144,7 @@ def spoke_curve(spoke: Spoke, first: float, last: float) -> Curve:
     speed = np.sqrt(1 + slope**2)
     normal = (spoke.across - slope[:, None] * spoke.along) / speed[:, None]
     arc = np.concatenate([[0.0], np.cumsum(speed * TABLE_STEP)[:-1]])
-    return Curve(spoke.points(distance), normal, speed * TABLE_STEP, -second / speed**3, arc, distance, False)
+    return Curve(spoke.centre, spoke.points(distance), normal, speed * TABLE_STEP, -second / speed**3, arc, distance, False)
 
 
 def refitted(spoke: Spoke, places: Array, sigma: Array) -> Spoke:

@@ -49,7 +49,8 @@ def strip_along(plane: Array, curve: Curve, half: Array, *, step: float, usable:
     count = max(1, round(curve.length / step))
     step = curve.length / count
     u, v = _pixels(plane.shape, curve, float(half.max()))
-    index, across = curve.foot(np.stack([u, v], axis=1), curve.start(_parameter(curve, u, v)))
+    places = np.stack([u, v], axis=1)
+    index, across = curve.foot(places, curve.start(places))
     inside = np.abs(across) <= curve.at(half, index)
     if curve.closed:
         index = index % len(curve.arc)
@@ -79,21 +80,10 @@ def _pixels(shape: tuple[int, ...], curve: Curve, reach: float) -> tuple[Whole, 
     return column, row
 
 
-def _parameter(curve: Curve, u: Whole, v: Whole) -> Array:
-    """Near which parameter the foot of a pixel lies."""
-    if not curve.closed:
-        along = curve.point[-1] - curve.point[0]
-        along = along / np.hypot(*along)
-        start = (np.stack([u, v], axis=1) - curve.point[0]) @ along
-        return curve.parameter[0] + start
-    centre = curve.point[0] - curve.radius_at_start * np.array([1.0, 0.0])
-    return np.arctan2(v - centre[1], u - centre[0]) % (2 * np.pi)
-
-
 def _full(bins: Whole, across: Array, half: Array, step: float) -> NDArray[np.bool_]:
     """Which bins (b,) have all they need: pixels, on both sides, and on the line."""
     least = FULL * step
     near = np.minimum(CORE, half)
     left, right = (np.bincount(bins[side], minlength=half.size) for side in (across < 0, across >= 0))
     core = np.bincount(bins[np.abs(across) < near[bins]], minlength=half.size)
-    return (left >= least * half) & (right >= least * half) & (core >= 2 * least * near - 1)
+    return (half > CORE) & (left >= least * half) & (right >= least * half) & (core >= 2 * least * near - 1)

@@ -1,0 +1,71 @@
+"""Which kind of target calibrates what."""
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from pydantic import ConfigDict
+
+from calibore.calibration._calibration import Calibration
+from calibore.documents import Document, read_document
+from calibore.errors import InputError
+
+Progress = Callable[[int, int], None]
+TARGET = "target.toml"
+VERBS: dict[str, str] = {
+    "concentric-rings": "lens",
+    "chessboard": "lens",
+    "charuco": "lens",
+    "circle-grid": "lens",
+    "asymmetric-circle-grid": "lens",
+    "range": "rig",
+    "ring-gauge": "rig",
+    "two-pin": "pupil",
+    "probe": "probe",
+    "profile": "profile",
+}
+"""By kind of target: the word after `calibore calibrate`."""
+FUNCTIONS: dict[str, str] = {
+    "concentric-rings": "calibrate_rings",
+    "range": "calibrate_range",
+    "ring-gauge": "calibrate_gauges",
+    "two-pin": "calibrate_pupil",
+    "probe": "calibrate_probe",
+    "profile": "calibrate_profile",
+}
+BOARDS = "calibrate_boards"
+
+
+def calibrate(verb: str, path: Path | str, *, progress: Progress | None = None) -> Calibration:
+    """What the target at `path` (target.toml or its folder) tells of a `verb`: lens, rig, pupil, probe or profile.
+
+    Raises InputError where the target is of another kind, or does not tell enough.
+    """
+    path, kind = target_of(path)
+    if VERBS[kind] != verb:
+        raise InputError(f"{path} is of kind {kind}: use `calibore calibrate {VERBS[kind]}`.")
+    function = getattr(import_module("calibore.calibration"), FUNCTIONS.get(kind, BOARDS))
+    return function(path, progress=progress)
+
+
+def target_of(path: Path | str) -> tuple[Path, str]:
+    """The target.toml at `path` and its kind; raises InputError where there is none."""
+    path = Path(path)
+    if path.is_dir():
+        path = path / TARGET
+        if not path.is_file():
+            raise InputError(
+                f"{path.parent} holds no {TARGET}; write one that says what was photographed, beside the pictures."
+            )
+    kind = read_document(path, _Heading).kind
+    if kind not in VERBS:
+        raise InputError(f'{path}: key kind = "{kind}" is not known; allowed: {", ".join(VERBS)}.')
+    return path, kind
+
+
+class _Heading(Document):
+    model_config = ConfigDict(extra="ignore")
+
+    format: Any = None
+    kind: str

@@ -1,0 +1,132 @@
+"""What a calibration means: uncertainty on the wall and over the image, what cannot be told apart, its evidence."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from calibore.cli._calibrate_words import METRES, aligned
+
+if TYPE_CHECKING:
+    from calibore.calibration import Calibration
+
+CLOSE = 0.99
+"""Correlation coefficient from which on two parameters are hardly told apart."""
+RADII = 7
+SPREAD = (0.7, 1.3)
+"""Of the nominal radius, where the calibration has no radii of its own."""
+
+
+def meaning(found: "Calibration", *, inputs: Path | None, radius: float | None, file: Path) -> dict[str, Any]:
+    """Plain data, SI or px; parts that this calibration cannot have are None."""
+    return {
+        "wall": _on_wall(found, radius),
+        "image": _over_image(found),
+        "hardly_told_apart": _close_pairs(found),
+        "evidence": _evidence(found, file),
+        "changed_inputs": _changed(file, inputs),
+    }
+
+
+def _on_wall(found: "Calibration", radius: float | None) -> dict[str, Any] | None:
+    import numpy as np
+
+    from calibore.calibration import wall_uncertainty
+
+    limits = found.valid.radius if found.valid else None
+    if radius is not None:
+        limits = (SPREAD[0] * radius, SPREAD[1] * radius)
+    if found.rig is None or found.rig.covariance is None or limits is None:
+        return None
+    wall = wall_uncertainty(found.rig, radii=np.linspace(*limits, RADII))
+    return {
+        "radius_m": wall.radius.tolist(),
+        "u_m": wall.mean.tolist(),
+        "u_uncorrelated_m": wall.mean_uncorrelated.tolist(),
+    }
+
+
+def _over_image(found: "Calibration") -> dict[str, float] | None:
+    """Uncertainty [px] of the direction behind a pixel in the middle, half-way and at the corner of the image."""
+    from calibore.calibration import projection_uncertainty
+
+    if found.camera is None or not any(name.startswith("camera.") for name in found.covariance.names):
+        return None
+    camera = found.camera
+    places = {"middle": 0.0, "half-way": 0.5, "corner": 1.0}
+    (u, v), ends = camera.principal_point, (camera.width - 1, camera.height - 1)
+    columns = [u + part * (ends[0] - u) for part in places.values()]
+    rows = [v + part * (ends[1] - v) for part in places.values()]
+    sd = projection_uncertainty(camera, found.covariance, columns, rows, valid=found.valid).sd
+    return dict(zip(places, sd.tolist(), strict=True))
+
+
+def _close_pairs(found: "Calibration") -> list[dict[str, Any]]:
+    names, r = found.covariance.names, found.covariance.correlations
+    pairs = [(i, j) for i in range(len(names)) for j in range(i) if abs(r[i, j]) > CLOSE]
+    return [{"first": names[j], "second": names[i], "correlation": float(r[i, j])} for i, j in pairs]
+
+
+def _evidence(found: "Calibration", file: Path) -> dict[str, Any] | None:
+    """How many residuals it rests on, and how far the covariance recomputed from them is from the stated one."""
+    import numpy as np
+
+    from calibore.calibration import recomputed_covariance
+
+    seen = found.observations
+    if not seen.residual.size:
+        return None
+    again, stated = recomputed_covariance(file), found.covariance
+    change = float(np.abs((again.matrix - stated.matrix) / np.outer(stated.u, stated.u)).max())
+    used = int((seen.weight > 0).sum())
+    return {"residuals": seen.residual.size, "used": used, "largest_change_of_covariance": change}
+
+
+def _changed(file: Path, inputs: Path | None) -> dict[str, str] | None:
+    from calibore.calibration import verify_inputs
+
+    return None if inputs is None else verify_inputs(file, inputs)
+
+
+def meaning_lines(said: dict[str, Any], length: str) -> Iterator[str]:
+    """The same for people."""
+    for part, lines in (
+        ("wall", lambda one: _wall_lines(one, length)),
+        ("image", _image_lines),
+        ("hardly_told_apart", _pair_lines),
+        ("evidence", _evidence_lines),
+        ("changed_inputs", _input_lines),
+    ):
+        if said[part] is not None:
+            yield from lines(said[part])
+
+
+def _wall_lines(wall: dict[str, Any], length: str) -> Iterator[str]:
+    size = METRES[length]
+    yield from ("", f"On the wall, u of the radius shared by a whole scan [{length}]:")
+    rows = zip(*(wall[key] for key in ("radius_m", "u_m", "u_uncorrelated_m")), strict=True)
+    cells = [tuple(f"{value / size:.4g}" if value == value else "not seen" for value in row) for row in rows]
+    yield from aligned([("radius", "u", "u if correlations were ignored"), *cells], left=0)
+
+
+def _image_lines(image: dict[str, float]) -> Iterator[str]:
+    said = ", ".join(f"{value:.3g} px {place}" for place, value in image.items())
+    yield from ("", f"Over the image, u of the direction behind a pixel: {said}.")
+
+
+def _pair_lines(pairs: list[dict[str, Any]]) -> Iterator[str]:
+    for pair in pairs:
+        yield f"{pair['first']} and {pair['second']} are hardly told apart: correlation {pair['correlation']:+.4f}."
+
+
+def _evidence_lines(evidence: dict[str, Any]) -> Iterator[str]:
+    change, left = evidence["largest_change_of_covariance"], evidence["residuals"] - evidence["used"]
+    yield (
+        f"Evidence: {evidence['residuals']} residuals, {left} of them left out; the covariance computed from them again "
+        f"differs by {change:.1g} of the stated variances at most."
+    )
+
+
+def _input_lines(changed: dict[str, str]) -> Iterator[str]:
+    if not changed:
+        yield "Inputs: all are what the calibration was made from."
+    yield from (f"Inputs: {name} is {what}." for name, what in changed.items())

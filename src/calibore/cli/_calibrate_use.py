@@ -1,0 +1,125 @@
+"""`calibore calibrate show | diff | plan`: what a calibration means, whether it still holds, which picture is next."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from calibore.cli._calibrate_words import aligned, check_unit, plain, result_lines
+from calibore.cli._failure import wrong_usage
+from calibore.cli._profile import as_json
+
+UnitName = Annotated[str, typer.Option("--unit", help="Unit of printed lengths: mm or in.")]
+Json = Annotated[bool, typer.Option("--json", help="Print everything as JSON.")]
+Page = Annotated[Path | None, typer.Option("--out", "-o", help="Folder for a page with pictures.")]
+Radius = Annotated[str, typer.Option(help="Nominal radius of the pipe.")]
+NOT_ALIKE = 1
+
+
+def show(
+    file: Annotated[Path, typer.Argument(help="Calibration file.")],
+    out: Page = None,
+    inputs: Annotated[Path | None, typer.Option(help="Folder of its pictures: are they still the same?")] = None,
+    radius: Annotated[str | None, typer.Option(help="Nominal radius of the pipe, for what it means there.")] = None,
+    unit: UnitName = "mm",
+    json: Json = False,
+) -> None:
+    """What a calibration found, what that means on the wall, and whether its evidence agrees."""
+    check_unit(unit)
+    from calibore.calibration import read_calibration
+    from calibore.cli._calibrate_meaning import meaning, meaning_lines
+
+    found = read_calibration(file)
+    for warning in found.warnings:
+        typer.echo(f"Warning: {warning}", err=True)
+    said = meaning(found, inputs=inputs, radius=_radius(radius) if radius else None, file=file)
+    page = None
+    if out is not None:
+        from calibore.reports import write_calibration_page
+
+        page = write_calibration_page(found, out, unit=unit)
+    if json:
+        typer.echo(as_json({**plain(found, file), **said}))
+        return
+    for line in (*result_lines(found, unit), *meaning_lines(said, unit)):
+        typer.echo(line)
+    if out is not None:
+        typer.echo(f"Page: {page or out}")
+
+
+def diff(
+    first: Annotated[Path, typer.Argument(help="Calibration or rig file.")],
+    second: Annotated[Path, typer.Argument(help="Another one, of the same camera or rig.")],
+    radius: Radius = "6 in",
+    out: Page = None,
+    unit: UnitName = "mm",
+    json: Json = False,
+) -> None:
+    """Is this the same camera as last year? Differences over the image and on the wall, with their significance."""
+    check_unit(unit)
+    nominal = _radius(radius)
+    from calibore.calibration import difference
+    from calibore.rigs import read_rig_or_camera
+
+    found = difference(read_rig_or_camera(first), read_rig_or_camera(second), nominal_radius=nominal)
+    if out is not None:
+        from calibore.reports import write_difference_page
+
+        write_difference_page(found, out, unit=unit)
+    if json:
+        typer.echo(as_json(_plain_difference(found)))
+        return
+    typer.echo(found.verdict(unit))
+    if out is not None:
+        typer.echo(f"Page: {out}")
+
+
+def plan(
+    rig: Annotated[Path, typer.Argument(help="Rig file with what is known of it now.")],
+    target: Annotated[Path, typer.Argument(help="target.toml of the target at hand, or its folder.")],
+    count: Annotated[int, typer.Option(min=1, help="How many pictures.")] = 3,
+    radius: Radius = "6 in",
+    unit: UnitName = "mm",
+    json: Json = False,
+) -> None:
+    """Which pictures to take next so that the wall is known best."""
+    check_unit(unit)
+    nominal = _radius(radius)
+    from calibore.calibration import plan as planned
+    from calibore.calibration import read_planned_target
+    from calibore.rigs import read_rig
+
+    found = planned(read_rig(rig), read_planned_target(target), nominal_radius=nominal, count=count)
+    if json:
+        steps = [{"picture": step.shot.said(unit), "u_m": step.u} for step in found.steps]
+        typer.echo(as_json({"nominal_radius_m": nominal, "before_u_m": found.before, "steps": steps}))
+        return
+    size = {"mm": 1e-3, "in": 0.0254}[unit]
+    typer.echo(
+        f"Now u(radius) = {found.before / size:.4g} {unit} on the wall of {nominal / size:.4g} {unit}. Photograph:"
+    )
+    rows = [
+        (f"{n}.", step.shot.said(unit), f"{step.u / size:.4g} {unit}") for n, step in enumerate(found.steps, start=1)
+    ]
+    for line in aligned([("", "the target", "then u(radius)"), *rows], left=2):
+        typer.echo(line)
+
+
+def _radius(text: str) -> float:
+    from calibore.units import parse_quantity
+
+    with wrong_usage():
+        return parse_quantity(text, "length")
+
+
+def _plain_difference(found: Any) -> dict[str, Any]:
+    wall = found.wall
+    return {
+        "verdict": found.verdict(),
+        "p": found.p,
+        "nominal_radius_m": found.nominal_radius,
+        "image": {"rms_px": found.directions.rms, "expected_px": found.directions.expected},
+        "wall": wall
+        and {"radius_m": wall.radius.tolist(), "rms_m": wall.rms.tolist(), "expected_m": wall.expected.tolist()},
+        "changes": [{**one._asdict(), "sigmas": one.sigmas} for one in found.changes],
+    }

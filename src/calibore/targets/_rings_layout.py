@@ -1,0 +1,146 @@
+"""What is known of a target's rings and spokes in a picture, and so what room there is to measure each line alone."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import ImageError
+from calibore.targets._marks import Array
+from calibore.targets._rings_chains import Dips
+from calibore.targets._rings_curves import HARMONICS, Round, fit_round
+from calibore.targets._rings_spokes import Spoke
+
+APART = 5.5
+"""Blurs between neighbouring rings; nearer ones are not resolved."""
+CLEAR = 3.2
+"""Blurs from the edge of a line to where it is not seen any more."""
+LEAST_ROOM = 2.0
+"""Blurs beyond the ink's edge, on both sides, that must be free of other lines."""
+MARGIN = 1.5
+"""px of paper beside a line, to know its brightness."""
+USUAL_CONTRAST = 0.85
+SATURATED_DEPTH = 0.7
+"""Dips deeper than this fraction of the ink's contrast are as wide as the ink; shallower ones are as wide as the blur."""
+WIDTH_WAVES, WIDTH_STIFFNESS = 6, 1e-3
+FWHM = 2.355
+"""Full width at half depth of a Gaussian, in standard deviations."""
+NARROWEST = 0.02
+"""px"""
+
+
+@dataclass(frozen=True, eq=False)
+class Ring:
+    """`radius` [px] and ink `width` [px] round the azimuth, and the rays (n,) on which the ring was seen."""
+
+    radius: Round
+    width: Round
+    seen: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Rings from 1 outwards, spokes and their ink widths (constant, linear, ...) [px], `blur` [px], ink `contrast`;
+    `paper` (rays,) [px]: where each ray leaves it.
+    """
+
+    centre: Array
+    rings: tuple[Ring, ...]
+    spokes: tuple[Spoke, ...]
+    spoke_widths: tuple[Array, ...]
+    blur: float
+    contrast: float
+    paper: Array
+
+    def seen(self, number: int, azimuth: Array) -> NDArray[np.bool_]:
+        """Whether ring `number` (from 1) was seen near the azimuths (n,)."""
+        seen = self.rings[number - 1].seen
+        return seen[np.rint(azimuth / (2 * np.pi) * seen.size).astype(np.intp) % seen.size]
+
+    def room(self, number: int, azimuth: Array) -> tuple[Array, Array]:
+        """How far (n,) [px] from the midline of a ring the picture shows nothing else; whether it is resolved."""
+        ring = self.rings[number - 1]
+        radius, slope, _ = ring.radius.derivatives(azimuth)
+        inner = radius - self._radius(number - 1, azimuth)
+        before = self._radius(number - 1, azimuth) - self._radius(number - 2, azimuth) if number > 1 else inner
+        outer = self._radius(number + 1, azimuth) - radius
+        following = inner * np.clip(inner / before, 0.3, 1.0)
+        outer = np.where(np.isfinite(outer), outer, following)
+        beyond_paper = self._paper(azimuth) - radius
+        upright = radius / np.hypot(radius, slope)
+        gap = np.minimum(inner, outer)
+        clear = gap - self._width(number, azimuth) / 2 - CLEAR * self.blur
+        free = np.minimum(clear, beyond_paper - CLEAR * self.blur) * upright
+        return free, gap * upright > APART * self.blur + self._width(number, azimuth)
+
+    def half_window(self, width: Array, free: Array) -> Array:
+        """Half (n,) [px] of the window across a line of ink `width` with `free` room; 0 where there is too little."""
+        half = np.cbrt(width**3 + (FWHM * self.blur) ** 3) / 2 + (4 - FWHM / 2) * self.blur + MARGIN
+        half = np.minimum(half, free)
+        return np.where(half > width / 2 + LEAST_ROOM * self.blur, half, 0.0)
+
+    def _radius(self, number: int, azimuth: Array) -> Array:
+        """Radius (n,) of a ring where it was seen, infinite elsewhere; 0 for the centre."""
+        if number < 1:
+            return np.zeros(azimuth.shape)
+        if number > len(self.rings):
+            return np.full(azimuth.shape, np.inf)
+        return np.where(self.seen(number, azimuth), self.rings[number - 1].radius(azimuth), np.inf)
+
+    def _width(self, number: int, azimuth: Array) -> Array:
+        return np.maximum(self.rings[number - 1].width(azimuth), NARROWEST)
+
+    def _paper(self, azimuth: Array) -> Array:
+        """Where (n,) [px] a ray leaves the paper, or one beside it."""
+        ray = np.rint(azimuth / (2 * np.pi) * self.paper.size).astype(np.intp)
+        return np.min([self.paper[(ray + beside) % self.paper.size] for beside in (-1, 0, 1)], axis=0)
+
+    def beside_spokes(self, azimuth: Array, radius: Array) -> NDArray[np.bool_]:
+        """Whether places lie so far from all spokes that these are not seen there."""
+        free = np.ones(radius.shape, dtype=bool)
+        for spoke, width in zip(self.spokes, self.spoke_widths, strict=True):
+            turn = azimuth - spoke.azimuth
+            along, across = radius * np.cos(turn), radius * np.sin(turn)
+            ink = np.maximum(np.polynomial.polynomial.polyval(along, width), NARROWEST)
+            free &= (along < 0) | (np.abs(across - spoke.offset(along)) > ink / 2 + CLEAR * self.blur + 0.5)
+        return free
+
+    def between_rings(self, azimuth: Array, radius: Array) -> NDArray[np.bool_]:
+        """Whether places lie so far from all rings that these are not seen there."""
+        free = np.ones(radius.shape, dtype=bool)
+        for ring in self.rings:
+            clear = np.maximum(ring.width(azimuth), NARROWEST) / 2 + CLEAR * self.blur + 0.5
+            free &= np.abs(radius - ring.radius(azimuth)) > clear
+        return free
+
+
+def first_layout(dips: Dips, centre: Array, spokes: tuple[Spoke, ...], count: int) -> Layout:
+    """The layout that the dips of `count` rings show."""
+    blur = float(np.median(dips.width[dips.ring > 0])) / FWHM
+    for ring in range(1, count + 1):
+        blur = min(blur, float(np.median(dips.width[dips.ring == ring])) / FWHM)
+    rings = tuple(_ring(dips, number, blur) for number in range(1, count + 1))
+    widest = max(float(rings[0].width(dips.azimuths).max()), NARROWEST) * 1.15
+    widths = tuple(np.array([widest]) for _ in spokes)
+    return Layout(centre, rings, spokes, widths, blur, USUAL_CONTRAST, dips.paper)
+
+
+def _ring(dips: Dips, number: int, blur: float) -> Ring:
+    from scipy.special import erfinv
+
+    member = dips.ring == number
+    azimuth = dips.azimuths[dips.ray[member]]
+    part = dips.depth[member] / USUAL_CONTRAST
+    shallow = 2 * np.sqrt(2) * blur * erfinv(np.minimum(part, SATURATED_DEPTH))
+    width = np.where(part < SATURATED_DEPTH, shallow, np.maximum(dips.width[member], shallow))
+    seen = np.zeros(dips.azimuths.size, dtype=bool)
+    seen[dips.ray[member]] = True
+    return Ring(smooth_radius(azimuth, dips.radius[member]), smooth_width(azimuth, width), seen)
+
+
+def smooth_radius(azimuth: Array, radius: Array) -> Round:
+    return fit_round(azimuth, radius, count=min(HARMONICS, max(2, azimuth.size // 4)))
+
+
+def smooth_width(azimuth: Array, width: Array) -> Round:
+    return fit_round(azimuth, width, count=WIDTH_WAVES, stiffness=WIDTH_STIFFNESS)
