@@ -44,10 +44,10 @@ def known(rig, *, size=1.0, seed=5):
     return rig.knowing(Covariance(names, factor @ factor.T))
 
 
-def drawn(rig, rng):
-    """`rig` with parameters drawn from its covariance."""
-    change = rig.covariance.draw(rng, 1)[0]
-    return moved(rig, dict(zip(rig.covariance.names, change.tolist(), strict=True)))
+def drawn(rig, rng, count):
+    """`count` rigs with parameters drawn from the covariance of `rig`."""
+    for change in rig.covariance.draw(rng, count).tolist():
+        yield moved(rig, dict(zip(rig.covariance.names, change, strict=True)))
 
 
 def published_head():
@@ -76,7 +76,7 @@ def board_calibration(seed=1, *, law="equidistant", fitted="equidistant", boards
     marks = [np.stack(truth.project(pose.apply(board)), axis=1) for pose in poses]
     marks = [_bent(one, truth, bent) + rng.normal(scale=noise, size=one.shape) for one in marks]
     camera = replace(truth, lens=Lens(fitted, 430.0, 384.0, -0.01))
-    for _ in range(12):
+    for _ in range(6):
         residual, jacobian, step = _step(camera, poses, board, marks)
         camera = moved(plane_rig(camera), dict(zip(LENS, step[: len(LENS)].tolist(), strict=True))).camera
         poses = [_turned(pose, part) for pose, part in zip(poses, step[len(LENS) :].reshape(-1, 6), strict=True)]
@@ -171,4 +171,4 @@ def _step(camera, poses, board, marks):
         arms = (board @ pose.rotation.T)[:, None, :]
         jacobian[rows, own : own + 3] = np.cross(arms, found.by_point).reshape(size, 3)
         jacobian[rows, own + 3 : own + 6] = found.by_point.reshape(size, 3)
-    return residual, jacobian, np.linalg.lstsq(jacobian, residual, rcond=None)[0]
+    return residual, jacobian, np.linalg.solve(jacobian.T @ jacobian, jacobian.T @ residual)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from made_calibrations import drawn, fisheye, known, plane_rig
+from made_calibrations import fisheye, known, plane_rig
 
 from calibore.calibration import projection_uncertainty
 from calibore.calibration._projection import image_grid, implied_turns, projection_modes, turns_against
@@ -20,16 +20,23 @@ MONTE_CARLO = 0.03
 def scatter():
     """Mean square motions (n, 2, 2) [px^2] of directions in cameras drawn from a covariance: kept, and less a turn."""
     rig, rng = known(plane_rig(), size=0.5), np.random.default_rng(3)
-    grid = image_grid(rig.camera)
+    grid = image_grid(rig.camera, rows=10)
     directions, here = rig.camera.unproject(*grid).direction, np.stack(grid, axis=1)
     modes, turns = projection_modes(rig.camera, rig.covariance, *grid)
     weights = implied_turns(modes, turns).weights
-    sums = np.zeros((2, len(here), 2, 2))
-    for _ in range(DRAWS):
-        moved = np.stack(drawn(rig, rng).camera.project(directions), axis=1) - here
-        left = moved + (turns @ turns_against(moved[:, :, None], turns, weights))[:, :, 0]
-        sums += [np.einsum("ni,nj->nij", one, one) for one in (moved, left)]
-    return rig, grid, sums / DRAWS
+    cameras = _drawn_cameras(rig, rng)
+    draws = np.array([np.stack(camera.project(directions), axis=1) for camera in cameras]) - here
+    left = draws + np.einsum("nki,id->dnk", turns, turns_against(draws.transpose(1, 2, 0), turns, weights))
+    return rig, grid, [np.einsum("dni,dnj->nij", one, one) / DRAWS for one in (draws, left)]
+
+
+def _drawn_cameras(rig, rng):
+    camera, lens = rig.camera, rig.camera.lens
+    known = rig.covariance.restricted(camera.parameter_names)
+    for k, c1, c2, aspect, u, v in known.draw(rng, DRAWS).tolist():
+        moved = Lens(lens.law, lens.k + k, lens.half_height, lens.c1 + c1, lens.c2 + c2)
+        point = camera.principal_point[0] + u, camera.principal_point[1] + v
+        yield Camera(camera.width, camera.height, moved, point, camera.aspect + aspect)
 
 
 @pytest.mark.parametrize("keep_rotation", [True, False])

@@ -49,9 +49,10 @@ class Observations:
     (n,) 0 where it was left out, `group` (n,) of residuals that share an error, and `jacobian` (n, q) of the
     predictions by the parameters `names` (q,): those calibrated and those of poses. Residuals in `unit`.
 
-    `whitened` (m, q): the Jacobian in units of its scatter, with neighbours that resemble each other, errors that
-    groups share and what was known before: (whitened' whitened)^-1 is the covariance of `names`. None where residuals
-    of one sigma, in groups, say all.
+    What ties residuals together, as `fitting.least_squares` takes it: `load` (n,) what a unit of its group's error does
+    to each, None for 1; `chain` (n,) of neighbours in their order, -1 for none, None without chains; `prior` (k, q + 1)
+    rows of unit variance: L (parameters - values) = the last column; `known_noise`: sigma is known, not estimated.
+    `whitened` (m, q), where no such fit was made: (whitened' whitened)^-1 is the covariance of `names`.
     """
 
     file: NDArray[np.intp]
@@ -64,16 +65,23 @@ class Observations:
     jacobian: Array
     names: tuple[str, ...]
     unit: str = "px"
+    load: Array | None = None
+    chain: NDArray[np.intp] | None = None
+    prior: Array | None = None
+    known_noise: bool = False
     whitened: Array | None = None
 
     def __post_init__(self) -> None:
         n, q = self.residual.size, len(self.names)
-        shapes = {name: (n,) for name in ("file", "u", "v", "residual", "sigma", "weight", "group")}
-        for name, shape in (shapes | {"jacobian": (n, q)}).items():
-            if getattr(self, name).shape != shape:
-                raise InputError(f"Observations need {name} of shape {shape}, got {getattr(self, name).shape}.")
-        if self.whitened is not None and self.whitened.shape[1:] != (q,):
-            raise InputError(f"Observations need {q} columns of whitened, got the shape {self.whitened.shape}.")
+        rows = ("file", "u", "v", "residual", "sigma", "weight", "group", "load", "chain")
+        shapes: dict[str, tuple[int, ...]] = dict.fromkeys(rows, (n,)) | {"jacobian": (n, q)}
+        for name, columns in (("prior", q + 1), ("whitened", q)):
+            values = getattr(self, name)
+            shapes |= {} if values is None else {name: (len(values), columns)}
+        for name, shape in shapes.items():
+            values = getattr(self, name)
+            if values is not None and values.shape != shape:
+                raise InputError(f"Observations need {name} of shape {shape}, got {values.shape}.")
 
 
 @dataclass(frozen=True, eq=False)

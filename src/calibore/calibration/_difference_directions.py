@@ -21,7 +21,9 @@ from calibore.optics import Camera
 from calibore.rigs import ValidRegion
 
 Array = NDArray[np.float64]
-STEPS = 8
+STEPS, SETTLED = 8, 1e-12
+ROWS = 16
+"""Of the grid of pixels compared: differences of smooth lenses hide nothing between them."""
 BENDING = 1 / 50
 """1/px: pixels over which a lens's image changes its scale noticeably, pessimistically; limits what first order tells
 of lenses whose parameters cannot be compared one by one."""
@@ -91,6 +93,8 @@ def _turned(
         there = np.isfinite(difference[:, 0])
         step = turns_against(difference[there, :, None], turns[there], implied.weights[there])[:, 0]
         rotation = _rotation(step) @ rotation
+        if np.abs(step).max() < SETTLED:
+            break
     difference = np.stack(b.project(directions @ rotation.T), axis=1) - np.stack(pixels, axis=1)
     return _vector(rotation), np.where(np.isfinite(difference), difference, 0.0)
 
@@ -118,7 +122,7 @@ def _shared_grid(a: Side, b: Side) -> tuple[Array, Array]:
             "target over the same part of the image."
         )
     valid = ValidRegion(zenith=(low, high)) if zeniths else None
-    u, v = image_grid(a.camera, valid=valid)
+    u, v = image_grid(a.camera, rows=ROWS, valid=valid)
     seen = np.isfinite(b.camera.unproject(u, v).direction[:, 2])
     return u[seen], v[seen]
 

@@ -61,7 +61,7 @@ def judged(evidence: Evidence, *, curvature: float = 0.0) -> Judgement:
     rest = evidence.difference - left @ (left.T @ evidence.difference)
     unexplained = float(np.linalg.norm(rest) / root)
     if directions == 0:
-        return Judgement(0.0, 0, float("nan") if evidence.difference.any() else 1.0, unexplained)
+        return Judgement(0.0, 0, float("nan") if evidence.linear.any() else 1.0, unexplained)
     shares = [((left.T @ part / root / size[:, None]) ** 2).sum() / directions for part in evidence[2:4]]
     slack = sum(share**2 / nu for share, nu in zip(shares, evidence.degrees_of_freedom, strict=True))
     return Judgement(chi_square, directions, _tail(chi_square, directions, slack), unexplained)

@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from calibore.calibration._in_words import Unit, unit_of, word_of
+
 if TYPE_CHECKING:
     from calibore.calibration._difference import Difference
     from calibore.calibration._difference_changes import Change
 
-UNITS = {"mm": 1e-3, "in": 0.0254}
 CHANCE, DOUBTFUL = 0.05, 0.001
 """Probabilities: above the first nothing speaks for a change, below the second chance is out of the question."""
 MOST = 0.9
@@ -20,10 +21,10 @@ MISFIT = 3.0
 
 def verdict_of(found: "Difference", unit: str) -> str:
     """Same or not, how far apart in the image and on the wall, what changed, what to do."""
-    return " ".join(_sentences(found, UNITS[unit], unit))
+    return " ".join(_sentences(found, Unit.of_length(f"1 {unit}")))
 
 
-def _sentences(found: "Difference", metres: float, unit: str) -> Iterator[str]:
+def _sentences(found: "Difference", length: Unit) -> Iterator[str]:
     yield _answer(found)
     along = found.directions
     yield (
@@ -31,12 +32,12 @@ def _sentences(found: "Difference", metres: float, unit: str) -> Iterator[str]:
         f"{along.expected:.2g} px; a turn of {np.degrees(np.linalg.norm(along.turn)):.2g} deg is taken out."
     )
     if found.wall is not None:
-        yield _on_wall(found, metres, unit)
+        yield _on_wall(found, length)
     misfit = along.judgement.unexplained
     if not found.same_law and misfit > MISFIT * along.expected:
         yield f"{misfit:.2g} px rms no parameter of either lens explains: the lens laws differ."
     if _differs(found):
-        yield from _what_changed(found, metres, unit)
+        yield from _what_changed(found, length)
 
 
 def _answer(found: "Difference") -> str:
@@ -51,8 +52,8 @@ def _answer(found: "Difference") -> str:
     return f"This is not the same camera as before: chance does not explain the difference ({test})."
 
 
-def _on_wall(found: "Difference", metres: float, unit: str) -> str:
-    wall, nominal = found.wall, found.nominal_radius
+def _on_wall(found: "Difference", length: Unit) -> str:
+    wall, nominal, metres, unit = found.wall, found.nominal_radius, length.size, length.symbol
     assert wall is not None
     assert nominal is not None
     at = int(np.argmin(np.abs(wall.radius - nominal)))
@@ -66,36 +67,26 @@ def _on_wall(found: "Difference", metres: float, unit: str) -> str:
     )
 
 
-def _what_changed(found: "Difference", metres: float, unit: str) -> Iterator[str]:
+def _what_changed(found: "Difference", length: Unit) -> Iterator[str]:
     if not found.changes:
         return
     first = found.changes[0]
-    others = found.judgement.chi_square * (1 - first.share)
     if first.share >= MOST:
+        share = f", {100 * first.alone / first.before:+.3g} %" if first.before else ""
         yield (
-            f"A change of {first.name} alone by {_amount(first, metres, unit)} explains {100 * first.share:.0f} % of "
-            "it; use the newer calibration from when it changed, and find out what moved."
+            f"A change of {word_of(first.name)} alone by {_amount(first, length)}{share}, explains "
+            f"{100 * first.share:.0f} % of it."
         )
     else:
-        names = ", ".join(one.name for one in found.changes[:3])
-        yield (
-            f"No parameter alone explains it (chi-square {others:.3g} would remain); first come {names}. Use the newer "
-            "calibration from when it changed, and find out what moved."
-        )
+        names = [word_of(one.name) for one in found.changes[:3]]
+        yield f"No parameter alone explains it; first come {', '.join(names)}."
+    yield "Find out what moved, and use the newer calibration for everything measured since."
 
 
-def _amount(one: "Change", metres: float, unit: str) -> str:
+def _amount(one: "Change", length: Unit) -> str:
+    said = unit_of(one.name, length).said(one.alone, one.u_alone, sign=True)
     sigmas = abs(one.alone) / one.u_alone if one.u_alone > 0 else np.inf
-    last = one.name.split(".")[-1]
-    said = f"{one.alone:+.3g}"
-    if last in ("baseline", "offset", "x", "y", "z"):
-        said = f"{one.alone / metres:+.3g} {unit}"
-    elif last in ("aim", "half_angle", "clock", "zenith"):
-        said = f"{np.degrees(one.alone):+.3g} deg"
-    elif last.startswith(("k", "principal_point")):
-        said += " px"
-    share = f", {100 * one.alone / one.before:+.3g} %" if one.before else ""
-    return f"{said} ({sigmas:.2g} standard uncertainties{share})"
+    return f"{said} ({sigmas:.2g} standard uncertainties)"
 
 
 def _differs(found: "Difference") -> bool:

@@ -13,8 +13,9 @@ from calibore.calibration._calibration import Observations
 from calibore.errors import InputError
 
 EVIDENCE_FORMAT = "calibore-evidence/1"
-ROW, WHITE_ROW, PARAMETER = "row", "white_row", "parameter"
-UNIT, NAMES, WHITENED = "unit", "names", "whitened"
+ROW, PARAMETER = "row", "parameter"
+DIMENSIONS = {"prior": ("prior_row", "prior_column"), "whitened": ("white_row", PARAMETER)}
+UNIT, NAMES, KNOWN_NOISE = "unit", "names", "known_noise"
 SAID = {
     "file": ("", "number of the file in [[calibration.file]], from 0"),
     "u": ("pixel", "column"),
@@ -24,6 +25,9 @@ SAID = {
     "weight": ("", "0 where it was left out"),
     "group": ("", "residuals of one group share an error"),
     "jacobian": ("", "derivative of the prediction by each of the parameters `names`, SI or px"),
+    "load": ("", "what a unit of the error of its group does to the residual"),
+    "chain": ("", "residuals of one chain are neighbours in their order, -1 for none"),
+    "prior": ("", "known before: columns by parameter and a last one, rows of unit variance"),
     "whitened": ("", "the same in units of the scatter, whose inverse square is the covariance of `names`"),
 }
 """Unit and meaning of every array."""
@@ -33,7 +37,7 @@ DIGITS = 12
 
 def evidence_hash(observations: Observations) -> str:
     """A fingerprint of the evidence's content."""
-    found = hashlib.sha256(json.dumps([observations.unit, observations.names]).encode())
+    found = hashlib.sha256(json.dumps(_plain(observations)).encode())
     for name, values in _arrays(observations).items():
         found.update(f"{name} {values.dtype.str} {values.shape}".encode())
         found.update(np.ascontiguousarray(values).tobytes())
@@ -48,9 +52,8 @@ def write_evidence(observations: Observations, folder: Path) -> None:
     for name, values in _arrays(observations).items():
         unit, meaning = SAID.get(name, ("", name))
         attributes = {"long_name": meaning} | ({"units": observations.unit if unit is UNIT else unit} if unit else {})
-        rows = WHITE_ROW if name == WHITENED else ROW
-        variables[name] = ((rows, PARAMETER)[: values.ndim], values, attributes)
-    attributes = {"format": EVIDENCE_FORMAT, UNIT: observations.unit, NAMES: list(observations.names)}
+        variables[name] = (DIMENSIONS.get(name, (ROW, PARAMETER))[: values.ndim], values, attributes)
+    attributes = {"format": EVIDENCE_FORMAT, **_plain(observations)}
     with warnings.catch_warnings():
         # Zarr warns that consolidated metadata is not in the v3 specification yet; xarray reads and writes it.
         warnings.simplefilter("ignore")
@@ -67,15 +70,25 @@ def read_evidence(folder: Path) -> Observations:
             if store.attrs.get("format") != EVIDENCE_FORMAT:
                 raise InputError(f"{folder} is no evidence of a calibration; put back what `calibore calibrate` wrote.")
             arrays = {str(name): store[name].to_numpy() for name in store.data_vars}
-            names, unit = tuple(store.attrs[NAMES]), store.attrs[UNIT]
+            names, unit, known_noise = tuple(store.attrs[NAMES]), store.attrs[UNIT], store.attrs[KNOWN_NOISE]
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{folder} cannot be read ({error}); put back what `calibore calibrate` wrote.") from error
-    return Observations(**arrays, names=names, unit=unit)
+    return Observations(**arrays, names=names, unit=unit, known_noise=bool(known_noise))
+
+
+def _plain(observations: Observations) -> dict[str, Any]:
+    return {
+        UNIT: observations.unit,
+        NAMES: list(observations.names),
+        KNOWN_NOISE: int(observations.known_noise),
+    }
 
 
 def _arrays(observations: Observations) -> dict[str, Any]:
     values = {field.name: getattr(observations, field.name) for field in fields(observations)}
-    found = {name: value for name, value in values.items() if name not in (NAMES, UNIT) and value is not None}
+    found = {
+        name: value for name, value in values.items() if name not in (NAMES, UNIT, KNOWN_NOISE) and value is not None
+    }
     return {name: np.asarray(value) for name, value in found.items()}
 
 

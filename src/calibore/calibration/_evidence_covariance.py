@@ -1,6 +1,7 @@
 """The covariance of a calibration, computed again from its FILE and evidence alone."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,50 +9,76 @@ from numpy.typing import NDArray
 from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._file import read_calibration
 from calibore.errors import InputError
+from calibore.fitting import least_squares
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.bool_]
 
 
 def recomputed_covariance(path: Path | str) -> Covariance:
-    """Covariance of the calibrated parameters of FILE `path` from its residuals' Jacobian and scatter, in the order of
-    the file; raises InputError where the evidence is gone or does not hold those parameters.
+    """Covariance of the calibrated parameters of FILE `path` from its residuals and what ties them together, in the
+    order of the file: scatter, shared errors and correlated neighbours are estimated anew. Raises InputError where the
+    evidence is gone or does not hold those parameters.
     """
     calibration = read_calibration(path)
     if not calibration.observations.residual.size:
-        raise InputError(
-            f"{path} has lost its evidence; its covariance cannot be computed again. Put it back beside it."
-        )
+        raise InputError(f"{path} has lost its evidence, from which its covariance follows; put it back beside it.")
     return covariance_of_evidence(calibration)
 
 
 def covariance_of_evidence(calibration: Calibration) -> Covariance:
-    """(J' V^-1 J)^-1 of the observations, V the covariance of their residuals, the groups' errors included."""
+    """The same of a calibration in memory. At its solution a model is as good as linear in what the covariance says of
+    its parameters, so the Jacobian stands for it.
+    """
     observations, names = calibration.observations, calibration.covariance.names
     absent = [name for name in names if name not in observations.names]
     if absent:
         raise InputError(f"The evidence does not hold {', '.join(absent)}; it belongs to another calibration.")
-    rows = observations.whitened if observations.whitened is not None else _white(observations, calibration.group_sigma)
-    scale = np.linalg.norm(rows, axis=0)
-    _, values, turns = np.linalg.svd(rows / scale, full_matrices=False)
-    factor = (turns.T / values / scale[:, None])[[observations.names.index(name) for name in names]]
-    return Covariance(names, factor @ factor.T)
+    if observations.whitened is not None:
+        scale = np.linalg.norm(observations.whitened, axis=0)
+        _, values, turns = np.linalg.svd(observations.whitened / scale, full_matrices=False)
+        factor = turns.T / values / scale[:, None]
+        matrix = factor @ factor.T
+    else:
+        matrix = _fitted_again(observations)
+    index = [observations.names.index(name) for name in names]
+    return Covariance(names, matrix[np.ix_(index, index)])
 
 
-def _white(observations: Observations, group_sigma: float) -> Array:
-    """The Jacobian (n + g, q) of residuals of one sigma each and g groups, in units of that: V^-1/2 J.
-
-    Within a group V = sigma^2 + group_sigma^2 1 1', so V^-1/2 takes the share `kept` of the weighted mean away.
-    """
+def _fitted_again(observations: Observations) -> Array:
+    """Of all parameters, by the fit that the linear model asks for."""
     used = observations.weight > 0
-    weight = np.sqrt(observations.weight[used]) / observations.sigma[used]
-    rows, group = observations.jacobian[used] * weight[:, None], observations.group[used]
-    if group_sigma == 0:
-        return rows
-    for number in np.unique(group[group >= 0]):
-        own = group == number
-        load = weight[own] * group_sigma
-        size = float(load @ load)
-        share = (1 - 1 / np.sqrt(1 + size)) / size
-        rows[own] -= share * np.outer(load, load @ rows[own])
-    return rows
+    residual, jacobian = observations.residual[used], observations.jacobian[used]
+    size = np.linalg.norm(jacobian / observations.sigma[used][:, None], axis=0)
+    size = np.where(size > 0, size, 1.0)
+
+    def model(change: Array) -> tuple[Array, Array]:
+        return residual - jacobian @ (change / size), jacobian / size
+
+    fit = least_squares(
+        model,
+        np.zeros(size.size),
+        names=observations.names,
+        sigma=observations.sigma[used],
+        prior=_prior(observations, size),
+        groups=observations.group[used],
+        group_loads=_of(observations.load, used),
+        chains=_of(observations.chain, used),
+        noise=1.0 if observations.known_noise else None,
+    )
+    return fit.covariance / np.outer(size, size)
+
+
+def _of(values: NDArray[Any] | None, used: Rows) -> NDArray[Any] | None:
+    return None if values is None else values[used]
+
+
+def _prior(observations: Observations, size: Array) -> tuple[list[str], Array, Array] | None:
+    """Names, mean and covariance of the parameters that were known, in the scale of the fit."""
+    if observations.prior is None or not observations.prior.size:
+        return None
+    rows, aims = observations.prior[:, :-1] / size, observations.prior[:, -1]
+    known = np.flatnonzero(np.abs(rows).max(axis=0) > 0)
+    inverse = np.linalg.pinv(rows[:, known])
+    return [observations.names[i] for i in known], inverse @ aims, inverse @ inverse.T

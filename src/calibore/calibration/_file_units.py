@@ -9,7 +9,7 @@ PIXELS = frozenset({"k", "principal_point_u", "principal_point_v"})
 
 
 def unit_of_parameter(name: str) -> str:
-    """`"laser.0.baseline"` -> `"m"`, `"camera.k"` -> `"px"`, `"camera.pupil_walk_2"` -> `"m/rad^2"`, "" a pure number."""
+    """`"laser.0.aim"` -> `"rad"`, `"camera.k"` -> `"px"`, `"camera.pupil_walk_2"` -> `"m/rad^2"`, "" a pure number."""
     last = name.split(".")[-1]
     if last.startswith("pupil_walk_"):
         return f"m/rad^{last.rsplit('_', 1)[1]}"

@@ -118,8 +118,7 @@ def _what_is_told(
             choice = replace(choice, free=free, held=(*choice.held, name))
         if not set(choice.free) & set(lasers):
             raise InputError(
-                "These pictures tell nothing of the laser; photograph its line in at least one ring gauge that shows it "
-                "all round."
+                "These pictures tell nothing of the laser; photograph its line in a ring gauge that shows it all round."
             )
 
 
@@ -174,7 +173,7 @@ def _calibration(
         covariance=found.covariance,
         degrees_of_freedom=found.fit.degrees_of_freedom,
         noise=found.fit.noise,
-        group_sigma=found.fit.group_sigma,
+        group_sigma=found.stop_scatter,
         files=tuple(files),
         observations=observations_of(found),
         valid=ValidRegion(zeniths_of(found), (float(radius.min()), float(radius.max()))),

@@ -134,13 +134,25 @@ def _solution(
     jacobian = seen.jacobian[rows] * weight[:, None]
     wanted = [seen.names.index(name) for name in names]
     beside = np.delete(jacobian, wanted, axis=1)
-    groups = _group_columns(seen.group[rows], weight * group_sigma)
-    prior = groups.shape[1]
-    left = np.block([[beside, groups], [np.zeros((prior, beside.shape[1])), np.eye(prior)]])
-    right = np.column_stack([jacobian[:, wanted], seen.residual[rows] * weight])
-    right = np.vstack([right, np.zeros((prior, right.shape[1]))])
+    load = weight * group_sigma * (1.0 if seen.load is None else seen.load[rows])
+    groups = _group_columns(seen.group[rows], load)
+    prior, aim = _known_beside(seen, wanted)
+    left = np.vstack([np.hstack([beside, groups]), np.eye(beside.shape[1] + groups.shape[1])[beside.shape[1] :]])
+    left = np.vstack([left, np.hstack([prior, np.zeros((len(prior), groups.shape[1]))])])
+    right = np.zeros((len(left), len(names) + 1))
+    right[: len(jacobian), :-1] = jacobian[:, wanted]
+    right[: len(jacobian), -1] = seen.residual[rows] * weight
+    right[len(left) - len(prior) :, -1] = aim
     right = _without(left, right)
     return _least_squares(right[:, :-1], right[:, -1], names)
+
+
+def _known_beside(seen: Observations, wanted: list[int]) -> tuple[Array, Array]:
+    """Rows of what is known beforehand of poses and settings; what is known of the camera is no evidence of a half."""
+    if seen.prior is None:
+        return np.zeros((0, len(seen.names) - len(wanted))), np.zeros(0)
+    apart = ~seen.prior[:, wanted].any(axis=1)
+    return np.delete(seen.prior[apart, :-1], wanted, axis=1), seen.prior[apart, -1]
 
 
 def _group_columns(group: NDArray[np.intp], load: Array) -> Array:

@@ -9,6 +9,7 @@ from math import inf
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._probe_diameters import Intercept, intercepts
@@ -19,6 +20,7 @@ from calibore.errors import InputError
 from calibore.rigs import Probe
 from calibore.uncertainty import Covariance
 
+Array = NDArray[np.float64]
 NAMES = ("probe.slope", "probe.intercept")
 ORIGIN = "probe.length_origin"
 
@@ -42,7 +44,7 @@ def calibrate_probe(path: Path | str, *, progress: Callable[[int, int], None] | 
         noise=line.scatter,
         group_sigma=0.0,
         files=tables.files,
-        observations=_observations(tables, line, intercept),
+        observations=_observations(tables, line, intercept, probe),
         settings={"probe": {key: f"{getattr(probe, key)!r} m" for key in ("slope", "intercept", "noise")}},
         findings=tuple(findings(tables, line, intercept, probe)),
         warnings=tuple(warnings(tables, line, intercept)),
@@ -82,7 +84,7 @@ def _effective(parts: list[tuple[float, float]]) -> float:
     return sum(variance for variance, _ in parts) ** 2 / doubt if doubt > 0 else inf
 
 
-def _observations(tables: ProbeTables, line: Line, intercept: Intercept) -> Observations:
+def _observations(tables: ProbeTables, line: Line, intercept: Intercept, probe: Probe) -> Observations:
     """Lengths, then diameters, against slope, origin of the lengths and intercept."""
     n, m = tables.ratio.size, tables.diameter.size
     lengths = np.stack([tables.ratio, np.ones(n), np.zeros(n)], axis=1)
@@ -98,4 +100,17 @@ def _observations(tables: ProbeTables, line: Line, intercept: Intercept) -> Obse
         jacobian=np.concatenate([lengths, diameters]),
         names=(NAMES[0], ORIGIN, NAMES[1]),
         unit="m",
+        whitened=_root(line, probe, intercept, n),
     )
+
+
+def _root(line: Line, probe: Probe, intercept: Intercept, n: int) -> Array:
+    """(3, 3) whose inverse square is the covariance of slope, origin and intercept."""
+    covariance = np.zeros((3, 3))
+    covariance[np.ix_([0, 2], [0, 2])] = probe.covariance.matrix
+    by_origin = -line.mean_ratio * line.u_slope**2
+    covariance[0, 1] = covariance[1, 0] = by_origin
+    covariance[1, 2] = covariance[2, 1] = -intercept.mean_ratio * by_origin
+    covariance[1, 1] = line.scatter**2 * line.stretch / n + line.mean_ratio**2 * line.u_slope**2
+    scale = np.sqrt(np.diag(covariance))
+    return np.linalg.cholesky(np.linalg.inv(covariance / np.outer(scale, scale))).T / scale

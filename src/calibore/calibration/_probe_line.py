@@ -15,7 +15,7 @@ ALIKE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """length = slope ratio + origin; `residuals` (n,) [m] of lengths; `scatter` [m] of one of them, with `freedom` n - 2;
+    """length = slope ratio + origin, ratios around `mean_ratio`; `residuals` (n,) [m] of lengths; `scatter` [m] of one of them, with `freedom` n - 2;
     `u_slope`; `stretch` of its variance by correlated neighbours, already contained.
 
     Probabilities that chance alone gives such: `p_curved` for a curve (cubic against line), with the largest departure
@@ -25,6 +25,7 @@ class Line:
 
     slope: float
     origin: float
+    mean_ratio: float
     residuals: Array
     scatter: float
     freedom: int
@@ -55,6 +56,7 @@ def fit_line(ratio: Array, length: Array) -> Line:
     return Line(
         slope=float(slope),
         origin=float(middle - slope * ratio.mean()),
+        mean_ratio=float(ratio.mean()),
         residuals=residuals,
         scatter=scatter,
         freedom=freedom,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field, Strict
 
 from calibore.calibration._calibration import InputFile
+from calibore.calibration._in_words import Unit
 from calibore.calibration._pupil_target import input_file
 from calibore.documents import Document, Length, read_document
 from calibore.errors import InputError
@@ -62,7 +63,7 @@ class ProbeTables:
     stops: Whole
     raw: Array
     diameter: Array
-    unit: str
+    unit: Unit
     files: tuple[InputFile, ...]
 
 
@@ -87,12 +88,12 @@ def read_probe_tables(path: Path) -> ProbeTables:
         stops=np.rint(pairs[:, :2]).astype(np.intp),
         raw=pairs[:, 2:4],
         diameter=pairs[:, 4],
-        unit="in" if unit == INCH else "mm",
+        unit=unit,
         files=(input_file(lengths), input_file(diameters)),
     )
 
 
-def _table(path: Path, columns: int, header: str) -> tuple[Array, float]:
+def _table(path: Path, columns: int, header: str) -> tuple[Array, Unit]:
     """The rows (n, columns), the last column in metres by the unit that the header gives it, and that unit."""
     example = f'Its first line is "# {header}" (or _mm, _m for the unit), then numbers separated by commas.'
     try:
@@ -109,6 +110,6 @@ def _table(path: Path, columns: int, header: str) -> tuple[Array, float]:
         raise InputError(f"{path} holds something that is no table of numbers ({error}). {example}") from error
     if rows.ndim != 2 or rows.shape[1] != columns or not np.isfinite(rows).all():
         raise InputError(f"{path} needs rows of {columns} finite numbers, at least one. {example}")
-    metres = METRES[found[1].lower()]
-    rows[:, -1] *= metres
-    return rows, metres
+    unit = Unit(found[1].lower(), METRES[found[1].lower()])
+    rows[:, -1] *= unit.size
+    return rows, unit

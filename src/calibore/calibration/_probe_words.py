@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from calibore.calibration._in_words import Unit
 from calibore.calibration._probe_diameters import DOUBTFUL, Intercept
 from calibore.calibration._probe_line import Line
 from calibore.calibration._probe_tables import ProbeTables
-from calibore.calibration._pupil_target import said_length
 from calibore.rigs import Probe
 
 NOT_CHANCE = 0.01
@@ -20,11 +20,11 @@ def findings(tables: ProbeTables, line: Line, intercept: Intercept, probe: Probe
     u_slope, u_intercept = probe.covariance.u
     ratio = intercept.mean_ratio
     yield (
-        f"Radius = {said_length(probe.slope, unit)} x ratio + {said_length(probe.intercept, unit)} (u = "
-        f"{_small(u_slope, unit)} and {_small(u_intercept, unit)}); use it for readings of this probe on this bracket."
+        f"Radius = {unit.said(probe.slope, u_slope)} x ratio + {unit.said(probe.intercept, u_intercept)} (u = "
+        f"{unit.said(u_slope, u_slope)} and {unit.said(u_intercept, u_intercept)}); use it for readings of this probe on this bracket."
     )
     yield (
-        f"At a radius of {said_length(float(probe.radius(ratio)), unit, digits=2)}, where the diameters were measured, the "
+        f"At a radius of {unit.said(float(probe.radius(ratio)), 0.1 * unit.size)}, where the diameters were measured, the "
         f"conversion is uncertain by {_small(float(probe.u_common(ratio)), unit)} (k = 1, alike for all points); one reading "
         f"adds {_small(probe.noise, unit)} of its own."
     )
@@ -46,14 +46,16 @@ def _shares(tables: ProbeTables, intercept: Intercept, probe: Probe) -> str:
         "reading the caliper": target.u_caliper**2,
     }
     total = sum(parts.values()) or 1.0
-    said = ", ".join(f"{100 * part / total:.0f} % {name}" for name, part in sorted(parts.items(), key=lambda item: -item[1]))
+    said = ", ".join(
+        f"{100 * part / total:.0f} % {name}" for name, part in sorted(parts.items(), key=lambda item: -item[1])
+    )
     return (
         f"Of the variance of the intercept at the diameters' own ratio: {said}. The slope adds "
         f"{_small(float(probe.covariance.u[0]), tables.unit)} per unit of ratio away from {intercept.mean_ratio:.3f}."
     )
 
 
-def _straightness(line: Line, unit: str) -> Iterator[str]:
+def _straightness(line: Line, unit: Unit) -> Iterator[str]:
     if line.p_curved >= NOT_CHANCE:
         yield f"Length against ratio is straight as far as its scatter of {_small(line.scatter, unit)} tells (p = {line.p_curved:.2f})."
     if line.p_drift is None:
@@ -70,9 +72,10 @@ def warnings(tables: ProbeTables, line: Line, intercept: Intercept) -> Iterator[
     unit = tables.unit
     for index in np.flatnonzero(~intercept.kept):
         first, second = tables.stops[index]
+        off = float(intercept.each[index] - intercept.value)
         yield (
-            f"Diameter {index + 1} (stops {first} and {second}, {said_length(float(tables.diameter[index]), unit)}) was left out: "
-            f"its intercept is {_small(float(intercept.each[index] - intercept.value), unit, signed=True)} off the others, "
+            f"Diameter {index + 1} (stops {first} and {second}, {unit.said(float(tables.diameter[index]), 0.01 * unit.size)}) was left out: "
+            f"its intercept is {unit.said(off, float(intercept.u_each[index]), sign=True)} off the others, "
             f"{abs(intercept.deviation[index]):.0f} standard uncertainties. Probably not the tip touched there, or a feature's "
             "flank; measure diameters on plain wall."
         )
@@ -112,8 +115,6 @@ def _line_warnings(tables: ProbeTables, line: Line) -> Iterator[str]:
         )
 
 
-def _small(metres: float, unit: str, *, signed: bool = False) -> str:
-    """Two significant digits: "0.00069 in", "18 um"."""
-    value, symbol = (metres / 0.0254, "in") if unit == "in" else (metres * 1e6, "um")
-    digits = max(0, 1 - int(np.floor(np.log10(abs(value))))) if value else 0
-    return f"{value:{'+' if signed else ''}.{digits}f} {symbol}"
+def _small(metres: float, unit: Unit) -> str:
+    """With two significant digits."""
+    return unit.said(metres, abs(metres))

@@ -8,13 +8,17 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._pupil_fit import PupilFit, fit_pupil
 from calibore.calibration._pupil_model import PUPIL, SLIDE, TURN
-from calibore.calibration._pupil_target import TwoPinPictures, read_two_pin, said_length
+from calibore.calibration._pupil_target import TwoPinPictures, read_two_pin
+from calibore.calibration._in_words import Unit
 from calibore.optics import LENS_LAWS
 from calibore.uncertainty import Covariance
+
+Array = NDArray[np.float64]
 
 FAR_OFF = 0.5
 """Extrapolation by more than this fraction of the slide's span asks for another picture."""
@@ -72,78 +76,83 @@ def _observations(found: PupilFit) -> Observations:
         group=2 * seen.picture + seen.near,
         jacobian=fit.jacobian,
         names=fit.names,
+        whitened=fit.information_root,
     )
 
 
 def _findings(found: PupilFit, pictures: TwoPinPictures) -> Iterator[str]:
     pupil, slides, unit = found.pupil, pictures.slides, pictures.unit
-    low, high = (said_length(end, unit) for end in pupil.interval())
+    low, high = (unit.said(end, pupil.u) for end in pupil.interval())
     yield (
-        f"The entrance pupil stands over the pivot at a slide reading of {said_length(pupil.value, unit)} "
-        f"(u = {said_length(pupil.u, unit, digits=5)}, 95 %: {low} to {high}); set the slide there."
+        f"The entrance pupil stands over the pivot at a slide reading of {unit.said(pupil.value, pupil.u)} "
+        f"(u = {unit.said(pupil.u, pupil.u)}, 95 %: {low} to {high}); set the slide there."
     )
-    beyond = max(pupil.value - slides.max(), slides.min() - pupil.value)
+    beyond = _beyond(found, slides)
     if beyond > 0:
         yield (
-            f"That is {said_length(beyond, unit)} beyond the readings photographed ({said_length(slides.min(), unit)} to "
-            f"{said_length(slides.max(), unit)}): an extrapolation, which the stated uncertainty contains."
+            f"That is {unit.said(beyond, pupil.u)} beyond the readings photographed ({unit.said(slides.min(), pupil.u)} to "
+            f"{unit.said(slides.max(), pupil.u)}): an extrapolation, which the stated uncertainty contains."
         )
     used = np.unique(found.seen.slide)
     for slide in slides[used[np.argsort(slides[used], kind="stable")]]:
         yield _side(float(slide), found, unit)
     if len(found.comparisons) > 1:
-        best = found.comparisons[0]
+        best, second, *_ = found.comparisons
+        span = [one.estimates[PUPIL].value for one in found.comparisons]
         yield (
-            f"The pictures fit a lens of the law {best.model} best (rmse {best.rmse:.3f} px; next "
-            f"{found.comparisons[1].model}, {found.comparisons[1].rmse:.3f} px); over the laws tried the pupil lies between "
-            f"{' and '.join(said_length(end, unit) for end in _span(found))}."
+            f"The pictures fit a lens of the law {best.model} best (rmse {best.rmse:.3f} px; next {second.model}, "
+            f"{second.rmse:.3f} px); over all laws tried the pupil lies between {unit.said(min(span), pupil.u)} and "
+            f"{unit.said(max(span), pupil.u)}."
         )
 
 
-def _span(found: PupilFit) -> tuple[float, float]:
-    values = [one.estimates[PUPIL].value for one in found.comparisons]
-    return min(values), max(values)
+def _beyond(found: PupilFit, slides: Array) -> float:
+    """How far [m] the pupil lies beyond the readings photographed; negative between them."""
+    return float(max(found.pupil.value - slides.max(), slides.min() - found.pupil.value))
 
 
-def _side(slide: float, found: PupilFit, unit: str) -> str:
+def _side(slide: float, found: PupilFit, unit: Unit) -> str:
     """Which side of the pivot the pupil lies on at a slide reading."""
     from scipy.special import stdtr
 
-    ahead = found.model.forwards * (found.pupil.value - slide)
-    freedom = min(found.pupil.degrees_of_freedom, 1e9)
-    sure = float(stdtr(freedom, abs(ahead) / found.pupil.u))
-    where = "ahead of" if ahead > 0 else "behind"
+    pupil = found.pupil
+    ahead = found.model.forwards * (pupil.value - slide)
+    sure = float(stdtr(min(pupil.degrees_of_freedom, 1e9), abs(ahead) / pupil.u))
     said = f"more than {100 * SURE:g}" if sure > SURE else f"{100 * sure:.1f}"
     return (
-        f"At {said_length(slide, unit)} the pupil lies {said_length(abs(ahead), unit)} {where} the pivot ({said} % sure): "
-        f"the near pin moves {'more' if ahead > 0 else 'less'} than the far one."
+        f"At {unit.said(slide, pupil.u)} the pupil lies {unit.said(abs(ahead), pupil.u)} "
+        f"{'ahead of' if ahead > 0 else 'behind'} the pivot ({said} % sure): the near pin moves "
+        f"{'more' if ahead > 0 else 'less'} than the far one."
     )
 
 
 def _warnings(found: PupilFit, pictures: TwoPinPictures) -> Iterator[str]:
-    slides, fit, target = pictures.slides, found.fit, pictures.target
+    slides, target = pictures.slides, pictures.target
     refused = [file for file in pictures.files if file.refused]
     if refused:
-        yield f"{len(refused)} of {len(pictures.files)} pictures were left out; the first: {refused[0].name}: {refused[0].refused}."
-    beyond = max(found.pupil.value - slides.max(), slides.min() - found.pupil.value)
-    if beyond > FAR_OFF * np.ptp(slides):
+        yield (
+            f"{len(refused)} of {len(pictures.files)} pictures were left out; the first, {refused[0].name}: "
+            f"{refused[0].refused}."
+        )
+    if _beyond(found, slides) > FAR_OFF * np.ptp(slides):
         yield (
             "The pupil was found far beyond the slide readings photographed; photograph the pins at a reading on the other "
             "side of it as well."
         )
     if found.model.forwards < 0:
-        yield "A greater slide reading moves the camera forwards here, not back."
-    for prefix, u, what in ((SLIDE, target.u_slide, "slide reading"), (TURN, target.u_turntable, "turntable reading of picture")):
-        yield from _strange(fit.names, fit.values, prefix, u, what, slides)
+        yield "A greater slide reading moves the camera forwards here, not back; the sides above take that into account."
+    yield from _strange(found, SLIDE, target.u_slide, "The slide reading", slides)
+    yield from _strange(found, TURN, target.u_turntable, "The turntable's angle", np.zeros(len(pictures.files)))
 
 
-def _strange(names: tuple[str, ...], values, prefix: str, u: float, what: str, slides) -> Iterator[str]:
-    for name, value in zip(names, values, strict=True):
+def _strange(found: PupilFit, prefix: str, u: float, what: str, read: Array) -> Iterator[str]:
+    """Readings that the pictures contradict; those of the turntable belong to a picture."""
+    for name, value in zip(found.fit.names, found.fit.values.tolist(), strict=True):
         if name.startswith(prefix):
             number = int(name.removeprefix(prefix))
-            off = value - slides[number] if prefix == SLIDE else value
-            if abs(off) > STRANGE * u:
+            off = abs(value - read[number]) / u
+            if off > STRANGE:
                 yield (
-                    f"The {what} {number} would have to be wrong by {abs(off) / u:.0f} standard uncertainties; read it again, "
-                    "or state how well it is read (u_slide, u_turntable)."
+                    f"{what} number {number + 1} would have to be wrong by {off:.0f} standard uncertainties; check it, or "
+                    "state in target.toml how well it is read (u_slide, u_turntable)."
                 )

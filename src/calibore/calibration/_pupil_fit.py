@@ -99,7 +99,11 @@ def _chosen(found: list[tuple[PinModel, Fit]], seen: Sightings) -> PupilFit:
     off = np.array([one.value(PUPIL) for _, one in found]) - fit.value(PUPIL)
     by_law = float(support @ off**2 / support.sum())
     index = fit.names.index(PUPIL)
-    pupil = Quantity(fit.value(PUPIL), float(np.hypot(fit.u[index], np.sqrt(by_law))), fit.degrees_of_freedom_of(np.eye(len(fit.names))[index]))
+    pupil = Quantity(
+        fit.value(PUPIL),
+        float(np.hypot(fit.u[index], np.sqrt(by_law))),
+        fit.degrees_of_freedom_of(np.eye(len(fit.names))[index]),
+    )
     compared = tuple(_comparison(*found[i], *criteria[i]) for i in order)
     return PupilFit(fit, best, seen, pupil, compared)
 

@@ -23,7 +23,7 @@ PIN = ("x", "z", "lean_x", "lean_z")
 SLIDE, TURN = "slide.", "turn."
 """A slide's reading [m]; what the turntable really turned beyond its reading [rad]."""
 FIRST_SLIDE = 14
-NEWTON_STEPS = 3
+NEWTON_STEPS = 2
 """From a mark to where the model sees the axis in its row: pictures are smooth, two steps would do."""
 
 
@@ -76,14 +76,16 @@ class PinModel:
 
     def predicted(self, values: Array, seen: Sightings) -> tuple[Array, Array]:
         """Columns u (n,) [px] of the pins' axes in the rows of `seen`, and their derivatives (n, p) by `names`."""
-        camera = self._camera(values[1])
+        camera, sight = self._camera(values[1]), self._sight(values, seen)
+        rotation, _ = camera_rotation(*values[2:5])
+        normal = np.einsum("ni,nij->nj", sight.normal, sight.turned) @ rotation
         u = np.array(seen.u)
         for _ in range(NEWTON_STEPS):
             image = self._image(camera, u, seen)
-            beside, _ = self._beside(values, seen, image)
-            u = u - beside.value / beside.by_u
-        beside, by_parameters = self._beside(values, seen, self._image(camera, u, seen))
-        return u - self._lopsided(camera, u, seen), -by_parameters / beside.by_u[:, None]
+            u = u - _dot(normal, image.ray) / _dot(normal, image.by_u)
+        image = self._image(camera, u, seen)
+        by_parameters = self._columns(values, seen, sight, image)
+        return u - self._lopsided(camera, u, seen), -by_parameters / _dot(normal, image.by_u)[:, None]
 
     def _camera(self, k: float) -> Camera:
         lens = Lens(self.law, float(k), self.height / 2)
@@ -103,39 +105,57 @@ class PinModel:
         )
         return ((left + right) / 2 - middle) * 2 * seen.half_width / np.where(right > left, right - left, np.inf)
 
-    def _beside(self, values: Array, seen: Sightings, image: Image) -> tuple["_Beside", Array]:
-        """How far each ray passes beside its pin: the volume of axis, arm from pupil to pin, and ray."""
+    def _sight(self, values: Array, seen: Sightings) -> "_Sight":
+        """Pin and camera of each mark in the frame of the fixture."""
         picture = FIRST_SLIDE + self.slides.size + np.searchsorted(self.pictures, seen.picture)
         turned, turning = turn_about_pivot(seen.turn + values[picture])
+        ahead = self.forwards * (values[0] - values[FIRST_SLIDE:][seen.slide])
+        pupil, carried = (t[:, :, 0] * values[5] + t[:, :, 2] * ahead[:, None] for t in (turned, turning))
+        x, z, lean_x, lean_z = np.where(seen.near, values[6:10, None], values[10:14, None])
+        axis = np.stack([lean_x, np.ones_like(x), lean_z], axis=1)
+        arm = np.stack([x, np.zeros_like(x), z], axis=1) - pupil
+        return _Sight(picture, turned, turning, carried, axis, arm, np.cross(axis, arm))
+
+    def _columns(self, values: Array, seen: Sightings, sight: "_Sight", image: Image) -> Array:
+        """Derivatives (n, p) of the volume of axis, arm and ray by `names`."""
         camera, by_angles = camera_rotation(*values[2:5])
-        pose = turned @ camera
-        ray = np.einsum("nij,nj->ni", pose, image.ray)
-        forwards = self.forwards * (values[0] - values[FIRST_SLIDE:][seen.slide])
-        pupil, carried = (t[:, :, 0] * values[5] + t[:, :, 2] * forwards[:, None] for t in (turned, turning))
-        pins = np.where(seen.near[:, None], values[6:10], values[10:14])
-        axis = np.stack([pins[:, 2], np.ones(len(ray)), pins[:, 3]], axis=1)
-        arm = np.stack([pins[:, 0], np.zeros(len(ray)), pins[:, 1]], axis=1) - pupil
-        normal, by_arm, by_axis = np.cross(axis, arm), np.cross(ray, axis), np.cross(arm, ray)
-        by_ray = np.einsum("ni,nij->nj", normal, pose)
-        columns = np.zeros((len(ray), values.size))
-        columns[:, 0] = -self.forwards * np.einsum("ni,ni->n", by_arm, turned[:, :, 2])
-        columns[:, 1] = np.einsum("ni,ni->n", by_ray, image.by_k)
-        turns = np.einsum("ni,nij,qjk,nk->nq", normal, turned, by_angles, image.ray)
-        columns[:, 2:5], columns[:, 5] = turns, -np.einsum("ni,ni->n", by_arm, turned[:, :, 0])
+        ray = _times(sight.turned, image.ray @ camera.T)
+        by_arm, by_axis = np.cross(ray, sight.axis), np.cross(sight.arm, ray)
+        back = np.einsum("ni,nij->nj", sight.normal, sight.turned)
+        columns, rows = np.zeros((len(ray), values.size)), np.arange(len(ray))
+        columns[:, 0] = -self.forwards * _dot(by_arm, sight.turned[:, :, 2])
+        columns[:, 1] = _dot(back @ camera, image.by_k)
+        for number, by_angle in enumerate(by_angles):
+            columns[:, 2 + number] = _dot(back @ by_angle, image.ray)
+        columns[:, 5] = -_dot(by_arm, sight.turned[:, :, 0])
         by_pin = np.stack([by_arm[:, 0], by_arm[:, 2], by_axis[:, 0], by_axis[:, 2]], axis=1)
-        columns[:, 6:10] = np.where(seen.near[:, None], by_pin, 0.0)
-        columns[:, 10:14] = np.where(seen.near[:, None], 0.0, by_pin)
-        rows = np.arange(len(ray))
+        columns[:, 6:10], columns[:, 10:14] = by_pin * seen.near[:, None], by_pin * ~seen.near[:, None]
         columns[rows, FIRST_SLIDE + seen.slide] = -columns[:, 0]
-        columns[rows, picture] = np.einsum("ni,nij,jk,nk->n", normal, turning, camera, image.ray)
-        columns[rows, picture] -= np.einsum("ni,ni->n", by_arm, carried)
-        value = np.einsum("ni,ni->n", normal, ray)
-        return _Beside(value, np.einsum("ni,ni->n", by_ray, image.by_u)), columns
+        turned = _dot(sight.normal, _times(sight.turning, image.ray @ camera.T))
+        columns[rows, sight.picture] = turned - _dot(by_arm, sight.carried)
+        return columns
 
 
-class _Beside(NamedTuple):
-    value: Array
-    by_u: Array
+class _Sight(NamedTuple):
+    """Of n marks: column of their picture's turn (n,), rotation (n, 3, 3) and its slope by the turn, motion (n, 3) of the
+    pupil by the turn, axis of the pin (n, 3), arm (n, 3) from pupil to pin, normal (n, 3) of the plane of both.
+    """
+
+    picture: Whole
+    turned: Array
+    turning: Array
+    carried: Array
+    axis: Array
+    arm: Array
+    normal: Array
+
+
+def _dot(first: Array, second: Array) -> Array:
+    return np.einsum("ni,ni->n", first, second)
+
+
+def _times(matrices: Array, vectors: Array) -> Array:
+    return np.einsum("nij,nj->ni", matrices, vectors)
 
 
 def turn_about_pivot(turn: Array) -> tuple[Array, Array]:

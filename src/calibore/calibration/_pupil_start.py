@@ -45,7 +45,9 @@ def start_values(model: PinModel, seen: Sightings) -> Start:
     pupil = -(near_line[1] - far_line[1]) / parallax
     k = rightwards * -(far_line[1] + pupil * far_line[2])
     distances = [abs(k) / max(abs(line[2]), abs(parallax) / 20) for line in (near_line, far_line)]
-    aside = [(line[0] - (model.width - 1) / 2) / abs(k) * z for line, z in zip((near_line, far_line), distances, strict=True)]
+    aside = [
+        (line[0] - (model.width - 1) / 2) / abs(k) * z for line, z in zip((near_line, far_line), distances, strict=True)
+    ]
     pins = [value for x, z in zip(aside, distances, strict=True) for value in (x, z, 0.0, 0.0)]
     return Start(np.array([middle + pupil, abs(k), 0.0, 0.0, 0.0, 0.0, *pins, *model.slides]), forwards, rightwards)
 

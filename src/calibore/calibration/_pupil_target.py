@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
 from calibore.calibration._calibration import InputFile
+from calibore.calibration._in_words import Unit
 from calibore.calibration._pupil_model import Sightings
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import ImageError, InputError
@@ -27,7 +28,7 @@ DEFAULT_U_SLIDE = 0.0005 * 0.0254
 DEFAULT_U_TURNTABLE = np.radians(0.05)
 """rad; a turntable with a vernier. Both pins shift alike, so the pupil hardly depends on it."""
 ROWS = 85
-"""Rows used per pin and picture: blur makes neighbours alike."""
+"""Marks used per pin and picture: neighbouring rows are alike."""
 
 
 def _known_law(law: str) -> str:
@@ -65,13 +66,13 @@ class TwoPinTarget(Document):
 
 @dataclass(frozen=True, eq=False)
 class TwoPinPictures:
-    """What target.toml says and its pictures show: readings `slides` (m,) [m] in the workshop's `unit`, `turns` [rad],
+    """What target.toml says and its pictures show: readings `slides` (m,) [m], written in `unit`, `turns` [rad],
     marks `seen`, whose pictures are counted as `files` are; image size [px].
     """
 
     target: TwoPinTarget
     slides: Array
-    unit: str
+    unit: Unit
     turns: Array
     seen: Sightings
     files: tuple[InputFile, ...]
@@ -87,7 +88,9 @@ def read_two_pin(path: Path, *, progress: Progress | None = None) -> TwoPinPictu
         raise InputError(f'{toml}: near_pin and far_pin are both "{target.near_pin}"; one is "upper", one "lower".')
     slides = np.array([parse_quantity(text, "length") for text in target.slides])
     turns = np.array(target.turntable)
-    wanted = [(s, t, toml.parent / _name(target.images, s, t, toml)) for s in range(slides.size) for t in range(turns.size)]
+    wanted = [
+        (s, t, toml.parent / _name(target.images, s, t, toml)) for s in range(slides.size) for t in range(turns.size)
+    ]
     files, parts, sizes = [], [], set()
     for number, (slide, turn, file) in enumerate(wanted):
         try:
@@ -109,20 +112,12 @@ def read_two_pin(path: Path, *, progress: Progress | None = None) -> TwoPinPictu
     if not parts:
         raise InputError(f"{toml}: no picture shows both pins. The first: {files[0].name}: {files[0].refused}.")
     if len(sizes) > 1:
-        raise InputError(f"{toml}: the pictures have different sizes; take all of them with one camera and one setting.")
+        raise InputError(
+            f"{toml}: the pictures have different sizes; take all of them with one camera and one setting."
+        )
     seen = Sightings(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     (width, height), *_ = sizes
-    return TwoPinPictures(target, slides, unit_of(target.slides), turns, seen, tuple(files), width, height)
-
-
-def unit_of(texts: tuple[str, ...]) -> str:
-    """The workshop's unit of length: inches where the file speaks of them, else millimetres."""
-    return "in" if all(text.strip().lower().endswith(("in", "inch", "inches")) for text in texts) else "mm"
-
-
-def said_length(metres: float, unit: str, *, digits: int = 4) -> str:
-    """A length for people: "1.2370 in", "31.420 mm"."""
-    return f"{metres / 0.0254:.{digits}f} in" if unit == "in" else f"{metres * 1e3:.{digits - 1}f} mm"
+    return TwoPinPictures(target, slides, Unit.of_length(target.slides[0]), turns, seen, tuple(files), width, height)
 
 
 def input_file(path: Path, *, refused: str = "") -> InputFile:

@@ -156,7 +156,7 @@ def _calibration(target: RangeTarget, pictures: LinePictures, found: RigFit, wro
         covariance=found.covariance,
         degrees_of_freedom=found.fit.degrees_of_freedom,
         noise=found.fit.noise,
-        group_sigma=found.fit.group_sigma,
+        group_sigma=found.stop_scatter,
         files=tuple(files),
         observations=observations_of(found),
         valid=ValidRegion(zeniths_of(found), (min(ranges), max(ranges))),

@@ -20,7 +20,7 @@ def range_findings(target: RangeTarget, pictures: LinePictures, found: RigFit) -
     known, apart = range_uncertainty(found, middle)
     said = [unit.said(place, 0.1 * unit.size) for place in middle]
     of_range = ", ".join(f"{unit.said(u, u)} at {place}" for u, place in zip(known, said, strict=True))
-    scatter = unit.said(found.fit.group_sigma, found.fit.group_sigma) if found.fit.group_sigma > 0 else "nothing"
+    scatter = unit.said(found.stop_scatter, found.stop_scatter) if found.stop_scatter > 0 else "nothing"
     sentences = [
         f"{len(looks)} of {len(target.paths)} stops, {unit.said(ranges.min(), 0.1 * unit.size)} to "
         f"{unit.said(ranges.max(), 0.1 * unit.size)}, tell the range with u = {of_range}.",

@@ -74,7 +74,7 @@ def together(found: RigFit, points: Triangulation, by: Array) -> tuple[Array, Ar
 
 
 def observations_of(found: RigFit) -> Observations:
-    """The evidence, in metres."""
+    """The evidence, in pixels along the marks' directions."""
     fit, looks = found.fit, found.model.looks
     return Observations(
         file=np.array([look.file for look in looks], dtype=np.intp)[found.model.look_of],
@@ -86,8 +86,8 @@ def observations_of(found: RigFit) -> Observations:
         group=found.model.stop_of,
         jacobian=fit.jacobian,
         names=fit.names,
-        unit="m",
-        whitened=getattr(fit, "whitened", None),
+        unit="px",
+        whitened=fit.information_root,
     )
 
 

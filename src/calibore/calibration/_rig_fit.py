@@ -1,23 +1,22 @@
 """The rig for which its light falls on the known surfaces it was photographed on."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._looks import Look
-from calibore.calibration._rig_model import ERROR, RigModel, nearest_branches
+from calibore.calibration._rig_model import RigModel
+from calibore.calibration._rig_start import Prior, prior_of, rough_values, usable_model
 from calibore.errors import InputError
 from calibore.fitting import Fit, least_squares
-from calibore.rigs import Rig, margin, triangulate
+from calibore.rigs import Rig, triangulate
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
-NEAR_FOLD = 25.0
-"""Marks of smaller margin are left out: there the radius goes with a root of the pixel, not with the pixel."""
-SETTLED = 0.02
-"""Weights are settled when a fit with new ones moves no parameter by more of its standard uncertainty."""
+SETTLED = 0.01
+"""Relative change of what a pixel means in metres that a fit may make without being repeated."""
 MOST_ROUNDS = 5
 UNTOLD = 1e-9
 """Of the largest singular value of the scaled Jacobian: directions below are told by nothing."""
@@ -25,14 +24,16 @@ UNTOLD = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class RigFit:
-    """`rig` as found, knowing its covariance and degrees of freedom; `fit` in metres, its first parameters the changes
-    of `model.rig`; `slope` (n,) [m/px] of each gap along its mark's direction.
+    """`rig` as found, knowing its covariance and degrees of freedom; `fit` in pixels along the marks' directions, its
+    first parameters the changes of `model.rig`; `slope` (n,) [m/px] of each gap along its mark's direction;
+    `stop_scatter` [m]: standard deviation of what the marks of a stop share, stated or found.
     """
 
     rig: Rig
     fit: Fit
     model: RigModel
     slope: Array
+    stop_scatter: float
     prior: Covariance | None = None
     bounds: Mapping[str, tuple[float, float]] | None = None
 
@@ -43,12 +44,8 @@ class RigFit:
     @property
     def covariance(self) -> Covariance:
         """Of the parameters `free` of the rig."""
-        return self.fit_covariance(self.free)
-
-    def fit_covariance(self, names: Iterable[str]) -> Covariance:
-        names = tuple(names)
-        index = [self.fit.names.index(name) for name in names]
-        return Covariance(names, self.fit.covariance[np.ix_(index, index)])
+        count = len(self.free)
+        return Covariance(self.free, self.fit.covariance[:count, :count])
 
     def with_looks(self, looks: Iterable[Look]) -> "RigFit":
         """The same fit to other looks."""
@@ -79,98 +76,91 @@ def fit_rig(
 ) -> RigFit:
     """The parameters `free` of `rig` for which the marks of `looks` lie on their references.
 
-    `prior`: what is known of some of them, about their values in `rig`; `bounds` of changes. Errors of the references
-    are parameters of their own where their uncertainty is stated, else what the stops scatter by is found from the
-    residuals. Raises InputError where the evidence does not suffice or the fit fails.
+    `prior`: what is known of some of them, about their values in `rig`; `bounds` of changes. Marks of one stop share
+    the error of its reference: as large as that states, or as stops are found to scatter. Raises InputError where the
+    evidence does not suffice or the fit fails.
     """
-    model = _with_branches(RigModel(rig, tuple(looks), tuple(free)))
-    model = _usable(model)
-    known, values, rounds = _prior(model, prior), model.start(), 0
+    model = usable_model(RigModel(rig, tuple(looks), tuple(free)))
+    values, known, rounds = rough_values(model), prior_of(model, prior), 0
+    slope = model.gaps(values).slope
     while True:
-        slope, before = model.evaluate(values)[2], values
-        fit = least_squares(
-            model,
-            values,
-            names=model.names,
-            sigma=np.concatenate([look.sigma for look in model.looks]) * np.abs(slope),
-            prior=known,
-            groups=None if model.stated else model.stop_of,
-            chains=model.look_of,
-            robust=robust,
-            bounds=bounds,
-        )
-        values, rounds = fit.values, rounds + 1
-        if rounds == MOST_ROUNDS or (rounds > 1 and (np.abs(values - before) <= SETTLED * fit.u).all()):
+        fit = _fitted(model, values, slope, known, robust=robust)
+        values, before, rounds = fit.values, slope, rounds + 1
+        slope = model.gaps(values).slope
+        if rounds == MOST_ROUNDS or np.abs(slope / before - 1)[fit.weights > 0].max() < SETTLED:
             break
+    _refuse(fit, model, bounds or {})
     count = len(model.free)
     covariance = Covariance(model.free, fit.covariance[:count, :count])
     freedom = fit.degrees_of_freedom if np.isfinite(fit.degrees_of_freedom) else None
-    return RigFit(model.moved_rig(values).knowing(covariance, freedom), fit, model, slope, prior, bounds)
+    stated = max((reference.u or 0.0 for reference in model.stops.values()), default=0.0)
+    scatter = stated if model.stated else fit.group_sigma
+    return RigFit(model.moved_rig(values).knowing(covariance, freedom), fit, model, slope, scatter, prior, bounds)
 
 
 def foreseen(
     rig: Rig, looks: Iterable[Look], *, free: Iterable[str], prior: Covariance | None = None
 ) -> dict[str, float]:
     """Standard uncertainties of the parameters `free` that a fit would give about the rig as it is, were the marks of
-    `looks` as noisy as they say; infinite where they tell nothing.
+    `looks` as noisy as they say, and errors of references independent; infinite where they tell nothing.
     """
-    model = _usable(_with_branches(RigModel(rig, tuple(looks), tuple(free))))
-    _, jacobian, slope = model.evaluate(model.start())
-    rows = jacobian / (np.concatenate([look.sigma for look in model.looks]) * np.abs(slope))[:, None]
-    known = _prior(model, prior)
-    if known is not None:
-        names, _, matrix = known
-        root = np.linalg.inv(np.linalg.cholesky(matrix))
-        rows = np.concatenate([rows, root @ np.eye(len(model.names))[[model.names.index(name) for name in names]]])
+    model = usable_model(RigModel(rig, tuple(looks), tuple(free)))
+    _, jacobian, slope = model.gaps(model.start())
+    errors = np.zeros((slope.size, len(model.stops)))
+    errors[np.arange(slope.size), model.stop_of] = 1.0
+    rows = np.concatenate([jacobian, errors], axis=1) / (model.sigma * np.abs(slope))[:, None]
+    known = np.zeros((0, rows.shape[1]))
+    told = prior_of(model, prior)
+    if told is not None:
+        root = np.linalg.inv(np.linalg.cholesky(told.matrix))
+        known = root @ np.eye(rows.shape[1])[[model.names.index(name) for name in told.names]]
+    of_errors = np.eye(rows.shape[1])[len(model.names) :]
+    sizes = np.array([reference.u or np.inf for reference in model.stops.values()])
+    rows = np.concatenate([rows, known, of_errors[np.isfinite(sizes)] / sizes[np.isfinite(sizes), None]])
+    return dict(zip(model.free, _standard_uncertainties(rows).tolist(), strict=False))
+
+
+def _standard_uncertainties(rows: Array) -> Array:
+    """Of parameters (p,) told by `rows` (n, p) of unit variance; infinite where they are not."""
     scale = np.linalg.norm(rows, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
     _, singular, turned = np.linalg.svd(rows / scale, full_matrices=False)
     told = singular > UNTOLD * singular[0]
     variance = np.sum((turned[told] / singular[told, None]) ** 2, axis=0)
     lost = np.sum(turned[~told] ** 2, axis=0) > UNTOLD
-    u = np.where(lost, np.inf, np.sqrt(variance) / scale)
-    return dict(zip(model.free, u.tolist(), strict=False))
+    return np.where(lost, np.inf, np.sqrt(variance) / scale)
 
 
-def _with_branches(model: RigModel) -> RigModel:
-    """`model` with the meetings nearest to the references: first as they should stand, then as they were set up."""
-    model = replace(model, branches=nearest_branches(model, np.zeros(len(model.names))))
-    return replace(model, branches=nearest_branches(model, model.start()))
+def _fitted(model: RigModel, values: Array, slope: Array, known: Prior | None, *, robust: bool) -> Fit:
+    """With pixels worth `slope` (n,) [m/px], so that residuals in pixels have the derivatives of the gaps."""
+
+    def in_pixels(values: Array) -> tuple[Array, Array]:
+        gaps = model.gaps(values)
+        return gaps.value / slope, -gaps.jacobian / slope[:, None]
+
+    u = np.array([reference.u or 0.0 for reference in model.stops.values()])[model.stop_of]
+    return least_squares(
+        in_pixels,
+        values,
+        names=model.names,
+        sigma=model.sigma,
+        prior=known,
+        groups=model.stop_of,
+        group_loads=(u if model.stated else 1.0) / slope,
+        group_sigma=1.0 if model.stated else None,
+        chains=model.look_of,
+        robust=robust,
+    )
 
 
-def _usable(model: RigModel) -> RigModel:
-    """Only the marks that meet their laser's light, far enough from its folds."""
-    looks, branches = [], []
-    lit, rig = np.isfinite(model.evaluate(model.start())[0]), model.rig.knowing(None)
-    for number, (look, branch) in enumerate(zip(model.looks, model.branches, strict=True)):
-        m = margin(rig, look.u, look.v, branch=branch, u_pixel=look.sigma, direction=look.direction, laser=look.laser)
-        kept = lit[model.look_of == number] & (m >= NEAR_FOLD)
-        if not kept.any():
+def _refuse(fit: Fit, model: RigModel, bounds: Mapping[str, tuple[float, float]]) -> None:
+    for name, u in zip(model.free, fit.u, strict=False):
+        if not np.isfinite(u):
+            raise InputError(f"The pictures do not tell {name} apart from the other parameters; hold it, or add looks.")
+    for name, (low, high) in bounds.items():
+        change = fit.value(name)
+        if name in model.free and not low < change < high:
             raise InputError(
-                f"None of the {kept.size} marks of {look.name} lies in the light of the laser as the rig is described; "
-                "check its baseline, aim, lens and k, or leave this look out."
+                f"The fit moves {name} by {change:.4g}, outside {low:.4g} to {high:.4g}: nothing near what was stated "
+                "explains the pictures."
             )
-        marks = {name: getattr(look, name)[kept] for name in ("u", "v", "direction", "sigma")}
-        looks.append(replace(look, **marks))
-        branches.append(branch[kept])
-    return RigModel(model.rig, tuple(looks), model.free, tuple(branches))
-
-
-def _prior(model: RigModel, rig: Covariance | None) -> tuple[list[str], Array, Array] | None:
-    """What is known before any picture: names, means, covariance matrix."""
-    shared = [name for name in model.free if rig is not None and name in rig.names]
-    names, variances = list(shared), []
-    for setting, reference in model.settings.items():
-        for name, u in zip(model.nuisances(setting), reference.nuisance_u, strict=True):
-            if np.isfinite(u):
-                names.append(name)
-                variances.append(u**2)
-    names += [f"{stop}.{ERROR}" for stop in model.uncertain_stops]
-    variances += [(model.stops[stop].u or 0.0) ** 2 for stop in model.uncertain_stops]
-    if not names:
-        return None
-    matrix = np.zeros((len(names), len(names)))
-    if rig is not None and shared:
-        matrix[: len(shared), : len(shared)] = rig.restricted(shared).matrix
-    matrix[len(shared) :, len(shared) :] = np.diag(variances)
-    return names, np.zeros(len(names)), matrix

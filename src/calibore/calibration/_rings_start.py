@@ -1,7 +1,5 @@
 """Where a fit of ring marks begins: read off the pictures themselves."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,6 +15,14 @@ DISTANCES = np.geomspace(0.2, 5.0, 80)
 """Over the nominal baseline: pupils lie behind the front of a lens, and people measure roughly."""
 OTHERS = np.geomspace(0.05, 20.0, 240)
 """Distances of the other pictures over that of the one with most rings."""
+NOISE = 0.05
+"""px: a misfit of the mean radii of rings that does not matter."""
+BEYOND = 1.01
+"""A lens must image a little more than the farthest ring's mean radius."""
+REACH = 1.5
+"""k over the farthest ring's radius, where nothing better is found: every law images that."""
+
+_Start = tuple[float, dict[str, float]]
 
 
 def start_values(model: RingModel, nominal_baseline: float, *, principal_point: tuple[float, float] | None) -> Array:
@@ -29,7 +35,7 @@ def start_values(model: RingModel, nominal_baseline: float, *, principal_point: 
     values |= {"camera.principal_point_u": point[0], "camera.principal_point_v": point[1]}
     seen = [ring_radii(marks, model.printed.radii) for marks in model.marks]
     best = max(range(len(seen)), key=lambda i: seen[i][0].size)
-    baseline, lens = _lens(model.lens, *seen[best], nominal_baseline)
+    baseline, lens = _lens(model.lens, *seen[best], nominal_baseline, height / 2)
     values |= lens
     camera = model.camera(np.array([values[name] for name in model.names]))
     for number, marks in enumerate(model.marks):
@@ -47,26 +53,39 @@ def ring_radii(marks: RingMarks, printed: Array) -> tuple[Array, Array]:
     return printed[found - 1], np.array([away[marks.ring == ring].mean() for ring in found])
 
 
-def _lens(lens: LensModel, printed: Array, image: Array, nominal: float) -> tuple[float, dict[str, float]]:
-    """Distance [m] and lens parameters that fit best: for a given distance they are linear."""
-    fits = [(_linear(lens, np.arctan(printed / distance), image), distance) for distance in nominal * DISTANCES]
-    (_, solution), distance = min(fits, key=lambda fit: fit[0][0])
-    scale = max(float(solution[0]), 1.0)
-    values = {"camera.k": scale}
-    if lens.law == "polynomial":
-        values |= {name: float(value) / scale for name, value in zip(lens.parameters[1:], solution[1:], strict=True)}
-    return distance, values
+def _lens(lens: LensModel, printed: Array, image: Array, nominal: float, half_height: float) -> _Start:
+    """Distance [m] and lens parameters that fit best, of those that image all that is seen: for a given distance they
+    are found by linear least squares. Where distances hardly differ, the nominal one is preferred.
+    """
+    starts = [_linear(lens, np.arctan(printed / nominal / far), image, half_height) for far in DISTANCES]
+    doubt = (NOISE * np.log(DISTANCES) / np.log(2)) ** 2
+    for number in np.argsort([cost for cost, _ in starts] + doubt):
+        values = starts[number][1]
+        if _images(lens, values, image.max() * BEYOND, half_height):
+            return nominal * DISTANCES[number], values
+    best = int(np.argmin([cost for cost, _ in starts]))
+    return nominal * DISTANCES[best], {"camera.k": REACH * image.max()}
 
 
-def _linear(lens: LensModel, zenith: Array, image: Array) -> tuple[float, NDArray[Any]]:
-    """Sum of squares [px^2] and coefficients of the lens for known zeniths; infinite where it images them not at all."""
-    if lens.law == "polynomial":
-        columns = [zenith ** (1 + 2 * power) for power in range(len(lens.parameters))]
-    else:
-        columns = [LENS_LAWS[lens.law].ratio(zenith)]
-    matrix = np.stack(columns, axis=1)
+def _linear(lens: LensModel, zenith: Array, image: Array, half_height: float) -> tuple[float, dict[str, float]]:
+    """Mean square [px^2] and parameters of the lens for known zeniths: r = k f + k c1 (k / h)^2 f^3 + ..., or
+    k zenith + k p3 zenith^3 + ...
+    """
+    ratio = zenith if lens.law == "polynomial" else LENS_LAWS[lens.law].ratio(zenith)
+    matrix = np.stack([ratio ** (1 + 2 * power) for power in range(len(lens.parameters))], axis=1)
     solution = np.linalg.lstsq(matrix, image, rcond=None)[0]
-    return float(np.sum((matrix @ solution - image) ** 2)), solution
+    k = float(solution[0])
+    unit = 1.0 if lens.law == "polynomial" else (k / half_height) ** 2
+    extras = [float(value / k / unit**power) for power, value in enumerate(solution[1:], start=1)]
+    return float(np.mean((matrix @ solution - image) ** 2)), dict(zip(lens.parameters, [k, *extras], strict=True))
+
+
+def _images(lens: LensModel, values: dict[str, float], radius: float, half_height: float) -> bool:
+    """Whether a lens with these values images anything at `radius` [px]."""
+    if values["camera.k"] <= 0:
+        return False
+    camera = lens.camera(values, width=int(2 * half_height), height=int(2 * half_height))
+    return bool(np.isfinite(camera.lens.zenith(np.array([radius]))).all())
 
 
 def _distance(camera: Camera, printed: Array, image: Array, baseline: float) -> float:

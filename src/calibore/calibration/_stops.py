@@ -1,14 +1,15 @@
 """Stops that contradict the others: a caliper misread, a gauge taken for another."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from calibore.calibration._rig_fit import RigFit
-from calibore.calibration._rig_model import ERROR
+from calibore.calibration._rig_start import prior_of
 from calibore.errors import InputError
 
+Array = NDArray[np.float64]
 FALSE_ALARM = 0.01
 """Chance that a calibration without any wrong stop loses one."""
 MOST_WRONG = 0.25
@@ -18,8 +19,8 @@ LEAST_SHARED = 1e-9
 
 
 class Suspect(NamedTuple):
-    """A stop whose reference is `off` [m] by what the others say, in t units of what stops scatter by, and how likely
-    a good stop is to be as far off by `chance`.
+    """A stop whose reference is `off` [m] by what the others say, which is `t` times what that scatters by; how likely a
+    good stop is to be as far off by `chance`.
     """
 
     stop: str
@@ -29,28 +30,28 @@ class Suspect(NamedTuple):
 
 
 def suspects(found: RigFit) -> list[Suspect]:
-    """All stops, the most suspect first; none where stops agree.
+    """All stops, the most suspect first; none where stops do not scatter.
 
-    With the error e of a stop as a parameter of prior N(0, u^2), its posterior mean m and variance V say what the other
-    stops alone think of it: m / V times s^2, 1 / s^2 = 1 / V - 1 / u^2, with the variance s^2 + u^2.
+    With the error e of a stop as a parameter of prior N(0, u^2), its posterior mean m and variance V tell what the
+    marks and all other stops say of it: m / V times s^2, 1 / s^2 = 1 / V - 1 / u^2, of variance s^2 + u^2.
     """
     from scipy import special
 
-    explicit, freedom = (found, np.inf) if found.model.stated else _explicit(found)
+    stated = found.model.stated
+    freedom = np.inf if stated else max(found.fit.degrees_of_freedom, 1.0)
+    sizes = [(reference.u or 0.0) if stated else found.stop_scatter for reference in found.model.stops.values()]
+    u = np.array(sizes)
     result: list[Suspect] = []
-    if explicit is None:
+    if (u < LEAST_SHARED).any():
         return result
-    for stop in explicit.model.uncertain_stops:
-        change, u_after = explicit.change(f"{stop}.{ERROR}")
-        u = explicit.model.stops[stop].u or 0.0
-        told = 1 / u_after**2 - 1 / u**2
-        if told <= 0:
-            continue
-        off = change / u_after**2 / told
-        t = off / np.sqrt(1 / told + u**2)
-        t = _studentised(t, freedom)
-        chance = float(2 * special.stdtr(min(freedom, 1e9) - (freedom < np.inf), -abs(t)))
-        result.append(Suspect(stop, float(off), float(t), chance))
+    error, variance = _errors_of_stops(found, u)
+    told = 1 / variance - 1 / u**2
+    for number, stop in enumerate(found.model.stops):
+        if told[number] > 0:
+            off = error[number] / variance[number] / told[number]
+            t = _studentised(float(off / np.sqrt(1 / told[number] + u[number] ** 2)), freedom)
+            chance = special.erfc(abs(t) / np.sqrt(2)) if stated else 2 * special.stdtr(max(freedom - 1, 1.0), -abs(t))
+            result.append(Suspect(stop, float(off), t, float(chance)))
     return sorted(result, key=lambda one: one.chance)
 
 
@@ -74,15 +75,41 @@ def without_wrong_stops(found: RigFit, *, fewest: int) -> tuple[RigFit, list[Sus
         found = found.with_looks(look for look in found.model.looks if look.of_stop != listed[0].stop)
 
 
-def _explicit(found: RigFit) -> tuple[RigFit | None, float]:
-    """The fit with the errors of its stops as parameters, as uncertain as the stops were found to scatter; and the
-    degrees of freedom of that scatter.
+def _errors_of_stops(found: RigFit, u: Array) -> tuple[Array, Array]:
+    """Posterior means (g,) [m] and variances of the errors of all stops, of standard deviations `u` (g,) before."""
+    fit, model = found.fit, found.model
+    weight = fit.weights / (fit.sigma * np.sqrt(_shared_by_neighbours(fit.partial_autocorrelation)))
+    errors = np.zeros((weight.size, u.size))
+    errors[np.arange(weight.size), model.stop_of] = u[model.stop_of] / found.slope
+    scale = np.maximum(fit.u, 1e-300)
+    rows = weight[:, None] * np.concatenate([fit.jacobian * scale, errors], axis=1)
+    aims = weight * fit.residuals
+    known = prior_of(model, found.prior)
+    before = np.zeros((0, rows.shape[1]))
+    aside = np.zeros(0)
+    if known is not None:
+        root = np.linalg.inv(np.linalg.cholesky(known.matrix))
+        index = [fit.names.index(name) for name in known.names]
+        before = np.zeros((len(index), rows.shape[1]))
+        before[:, index] = root * scale[index]
+        aside = root @ (known.mean - fit.values[index])
+    own = np.concatenate([np.zeros((u.size, scale.size)), np.eye(u.size)], axis=1)
+    whole = np.concatenate([rows, before, own])
+    q, r = np.linalg.qr(whole)
+    inverse = np.linalg.pinv(r)
+    step = inverse @ (q.T @ np.concatenate([aims, aside, np.zeros(u.size)]))
+    variance = np.sum(inverse**2, axis=1)
+    return step[scale.size :] * u, variance[scale.size :] * u**2
+
+
+def _shared_by_neighbours(partial: Array) -> float:
+    """How many times as uncertain, in variance, means along a chain are as those of independent marks: the sum of all
+    autocorrelations, of the autoregression with the `partial` ones (q,).
     """
-    scatter = found.fit.group_sigma
-    if scatter < LEAST_SHARED:
-        return None, np.inf
-    looks = [replace(look, reference=look.reference.stating(scatter)) for look in found.model.looks]
-    return found.with_looks(looks), max(found.fit.degrees_of_freedom, 1.0)
+    weights = np.zeros(0)
+    for one in partial:
+        weights = np.append(weights - one * weights[::-1], one)
+    return float(np.prod(1 - partial**2) / (1 - weights.sum()) ** 2)
 
 
 def _studentised(t: float, freedom: float) -> float:
@@ -90,4 +117,4 @@ def _studentised(t: float, freedom: float) -> float:
     if not np.isfinite(freedom):
         return t
     left = freedom - t**2
-    return float(np.sign(t) * np.inf) if left <= 0 else t * np.sqrt(max(freedom - 1, 0.5) / left)
+    return float(np.sign(t) * np.inf) if left <= 0 else t * float(np.sqrt(max(freedom - 1, 0.5) / left))

@@ -19,11 +19,11 @@ calibrate = typer.Typer(
 Target = Annotated[Path, typer.Argument(metavar="INPUT", help="Folder with target.toml and pictures, or target.toml.")]
 Out = Annotated[Path, typer.Option("--out", "-o", help="Calibration file, e.g. lens.toml; it appears when complete.")]
 SAID = {
-    "lens": "Lens law, k, centre from pictures of concentric rings, chessboards, ChArUco boards or circle grids.",
-    "rig": "Baseline, aim, lens of a rig from its line on a flat at known ranges, or in gauges of known diameter.",
-    "pupil": "Where the entrance pupil stands over the pivot, from pictures of two pins.",
-    "probe": "Slope and intercept of a tactile probe, from a caliper's lengths and diameters.",
-    "profile": "A rig in the pipe itself, against a profile measured by other means.",
+    "lens": "A camera's lens and centre. From pictures of concentric rings, chessboards, ChArUco or circle grids.",
+    "rig": "A rig's laser and lens. From its line on a flat at known ranges, or in gauges of known diameter.",
+    "pupil": "Where the entrance pupil is. From pictures of two pins.",
+    "probe": "A tactile probe's conversion. From a caliper's lengths and diameters.",
+    "profile": "A rig in the pipe itself. Against a profile measured by other means.",
 }
 
 

@@ -38,11 +38,8 @@ def _on_wall(found: "Calibration", radius: float | None) -> dict[str, Any] | Non
     if found.rig is None or found.rig.covariance is None or limits is None:
         return None
     wall = wall_uncertainty(found.rig, radii=np.linspace(*limits, RADII))
-    return {
-        "radius_m": wall.radius.tolist(),
-        "u_m": wall.mean.tolist(),
-        "u_uncorrelated_m": wall.mean_uncorrelated.tolist(),
-    }
+    columns = {"radius_m": wall.radius, "u_m": wall.mean, "u_uncorrelated_m": wall.mean_uncorrelated}
+    return {name: column.tolist() for name, column in columns.items()}
 
 
 def _over_image(found: "Calibration") -> dict[str, float] | None:
@@ -121,8 +118,8 @@ def _pair_lines(pairs: list[dict[str, Any]]) -> Iterator[str]:
 def _evidence_lines(evidence: dict[str, Any]) -> Iterator[str]:
     change, left = evidence["largest_change_of_covariance"], evidence["residuals"] - evidence["used"]
     yield (
-        f"Evidence: {evidence['residuals']} residuals, {left} of them left out; the covariance computed from them again "
-        f"differs by {change:.1g} of the stated variances at most."
+        f"Evidence: {evidence['residuals']} residuals, {left} of them left out; the covariance computed from them "
+        f"again differs by {change:.1g} of the stated variances at most."
     )
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from calibore.cli._calibrate_words import aligned, check_unit, plain, result_lines
+from calibore.cli._calibrate_words import METRES, aligned, check_unit, plain, result_lines
 from calibore.cli._failure import wrong_usage
 from calibore.cli._profile import as_json
 
@@ -24,7 +24,7 @@ def show(
     unit: UnitName = "mm",
     json: Json = False,
 ) -> None:
-    """What a calibration found, what that means on the wall, and whether its evidence agrees."""
+    """What a calibration means. Parameters, uncertainty on the wall and over the image, evidence; pictures too."""
     check_unit(unit)
     from calibore.calibration import read_calibration
     from calibore.cli._calibrate_meaning import meaning, meaning_lines
@@ -55,7 +55,7 @@ def diff(
     unit: UnitName = "mm",
     json: Json = False,
 ) -> None:
-    """Is this the same camera as last year? Differences over the image and on the wall, with their significance."""
+    """Whether it is the same camera as last year. Differences over the image and on the wall, with their significance."""
     check_unit(unit)
     nominal = _radius(radius)
     from calibore.calibration import difference
@@ -94,14 +94,10 @@ def plan(
         steps = [{"picture": step.shot.said(unit), "u_m": step.u} for step in found.steps]
         typer.echo(as_json({"nominal_radius_m": nominal, "before_u_m": found.before, "steps": steps}))
         return
-    size = {"mm": 1e-3, "in": 0.0254}[unit]
-    typer.echo(
-        f"Now u(radius) = {found.before / size:.4g} {unit} on the wall of {nominal / size:.4g} {unit}. Photograph:"
-    )
-    rows = [
-        (f"{n}.", step.shot.said(unit), f"{step.u / size:.4g} {unit}") for n, step in enumerate(found.steps, start=1)
-    ]
-    for line in aligned([("", "the target", "then u(radius)"), *rows], left=2):
+    size = METRES[unit]
+    typer.echo(f"On a wall of {nominal / size:.4g} {unit} u of the radius is {found.before / size:.4g} {unit} now.")
+    rows = [(f"{n}.", one.shot.said(unit), f"{one.u / size:.4g} {unit}") for n, one in enumerate(found.steps, start=1)]
+    for line in aligned([("", "photograph the target", "then u is"), *rows], left=2):
         typer.echo(line)
 
 

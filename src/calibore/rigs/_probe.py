@@ -75,7 +75,7 @@ class _ProbeFile(Document):
     model_config = ConfigDict(extra="ignore")
 
     format: Literal["calibore-rig/1"]
-    configuration: Literal["tactile-probe"]
+    configuration: Literal["tactile-probe"] = "tactile-probe"
     probe: _ProbeTable
     calibration: _CalibrationTable | None = None
 

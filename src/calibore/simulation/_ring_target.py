@@ -14,7 +14,7 @@ from calibore.simulation._sensor import Sensor
 Array = NDArray[np.float64]
 
 FINENESS = 3  # samples along each side of a pixel that an edge passes
-SOFTNESS = 0.25  # px: edges are drawn so soft (Gaussian) that the samples carry them without aliasing; part of the blur
+SOFTNESS = 0.2  # px: edges are drawn so soft (Gaussian) that the samples carry them without aliasing; part of the blur
 NEAR = 1.6  # px from an edge within which a pixel is sampled finely
 BAND = 256  # rows drawn at once
 REACH = 5.0  # standard deviations at which the blur ends

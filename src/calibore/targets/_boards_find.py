@@ -67,15 +67,17 @@ def _eight_bits(grey: Array) -> NDArray[np.uint8]:
 
 
 def _measured(grey: Array, rough: Array, board: Board) -> Corners | Dots:
+    """Corners twice: how edges bend, and how far from markers to stay, is only known from a first measurement."""
     if board.has_dots:
         return measured_dots(grey, rough, board)
-    lattice = lattice_of(rough, board)
-    if board.kind == "chessboard":
-        return measured_corners(grey, rough, lattice)
-    clear = (1 - board.marker) / 2
-    first = measured_corners(grey, rough, lattice, clear=clear, shun=WIDTHS)
-    blur = np.nanmedian(first.blur) if np.isfinite(first.blur).any() else 1.0
-    return measured_corners(grey, rough, lattice, clear=clear, shun=WIDTHS * float(blur))
+    clear = (1 - board.marker) / 2 if board.kind == "charuco" else np.inf
+    first = measured_corners(grey, rough, lattice_of(rough, board), clear=clear, shun=WIDTHS)
+    found = np.isfinite(first.places[:, 0])
+    if not found.any():
+        return first
+    better = np.where(found[:, None], first.places, rough)
+    shun = WIDTHS * float(np.median(first.blur[found]))
+    return measured_corners(grey, better, lattice_of(better, board), clear=clear, shun=shun)
 
 
 def _seen_from_the_front(rough: Array, board: Board) -> Array:

@@ -46,10 +46,17 @@ def _derivatives(grid: Array) -> tuple[Array, Array]:
 
 
 def _filled(bend: Array) -> Array:
-    """Gaps take the value of the next neighbour in their row; 0 where a row has none."""
+    """Gaps continue the next two of their row evenly, or take the value of the next one; 0 where a row has none."""
     filled = bend.copy()
-    for step in (1, -1):
-        neighbour = np.roll(bend, step, axis=1)
-        neighbour[:, 0 if step == 1 else -1] = np.nan
-        filled = np.where(np.isfinite(filled), filled, neighbour)
+    for even in (False,):
+        for step in (1, -1):
+            first, second = _shifted(bend, step), _shifted(bend, 2 * step)
+            filled = np.where(np.isfinite(filled), filled, 2 * first - second if even else first)
     return np.where(np.isfinite(filled), filled, 0.0)
+
+
+def _shifted(bend: Array, step: int) -> Array:
+    """The value of the neighbour `step` before, NaN where there is none."""
+    shifted = np.roll(bend, step, axis=1)
+    shifted[:, slice(None, step) if step > 0 else slice(step, None)] = np.nan
+    return shifted

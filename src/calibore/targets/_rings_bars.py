@@ -7,16 +7,17 @@ contrast c and the slope of the light g(along the line) [1/px] belong to the who
 ink edges in the picture: symmetric errors of w, s, c do not move it, the slope of the light multiplies paper and ink.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from calibore.targets._marks import Array
 from calibore.targets._rings_strips import Strip
 
-STEPS = 8
-LONGEST_STEP = 0.5
-"""px: of place and width in one step."""
+STEPS, SETTLED = 12, 1e-4
+"""At most so many Gauss-Newton steps, until no place moves by more [px]."""
+LONGEST_STEP, NARROWEST = 0.5, 0.1
+"""px: of place and width in one step; width below which expectations are equally unsure."""
 BLUR_PRIOR, SLOPE_PRIOR = 0.5, 0.01
 """Relative standard uncertainty of the starting blur; standard uncertainty of the light's slope [1/px]."""
 WIDTH_PRIOR = 0.5
@@ -24,6 +25,8 @@ WIDTH_PRIOR = 0.5
 LEAST_BLUR = 0.3
 """px: the area of a pixel alone."""
 FAINTEST_LIGHT = 1e-4
+OUTLYING_SQUARE = 20.0
+"""Squared residuals beyond this multiple of the variance tell of dirt, not of noise."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,7 @@ class Noise:
 class Bars:
     """Of every bin: paper `brightness`, `place` [px] and `width` [px] of the ink, `sigma` [px] of the place, `misfit`
     (chi-square per degree of freedom), each (b,). Of the line: `blur` [px], `contrast`, coefficients of the `slope`.
-    Of every pixel: `predicted` and `residual` (n,).
+    Of every pixel: `predicted` brightness and `square` (n,) of its residual, corrected for the fitted parameters.
     """
 
     brightness: Array
@@ -53,7 +56,7 @@ class Bars:
     sigma: Array
     misfit: Array
     predicted: Array
-    residual: Array
+    square: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,83 +72,121 @@ class Start:
 
 
 def fit_bars(strip: Strip, along: Array, start: Start, noise: Noise) -> Bars:
-    """All bins of a strip at once; the slope of the light is a combination of the columns of `along` (n, q)."""
+    """All bins of a strip at once; the slope of the light is a combination of the columns of `along` (b, q)."""
     bins = strip.bins
     light = np.maximum(np.maximum.reduceat(strip.value, strip.starts), FAINTEST_LIGHT)
     own = np.stack([light, np.zeros_like(light), start.width], axis=1)
-    shared = np.concatenate([[start.blur, start.contrast], np.zeros(along.shape[1])])
+    centre = np.concatenate([[start.blur, start.contrast], np.zeros(along.shape[1])])
     prior = np.concatenate([
         [(BLUR_PRIOR * start.blur) ** -2, start.contrast_sigma**-2], np.full(along.shape[1], SLOPE_PRIOR**-2)
     ])  # fmt: skip
-    centre = shared.copy()
-    expected = np.maximum(start.width, 0.1)
+    shared = centre.copy()
+    expected = np.maximum(start.width, NARROWEST)
     for _ in range(STEPS):
-        predicted, by_own, by_shared = _model(strip.across, along, own[bins], shared)
-        weight = 1 / noise.variance(predicted)
-        residual = strip.value - predicted
-        normal, mixed, common, right, right_shared = _sums(strip, by_own, by_shared, weight, residual)
-        normal[:, 2, 2] += (WIDTH_PRIOR * expected) ** -2
-        right[:, 2] += (expected - own[:, 2]) * (WIDTH_PRIOR * expected) ** -2
-        inverse = np.linalg.inv(normal + 1e-12 * np.einsum("bii->bi", normal)[:, :, None] * np.eye(3))
-        reduced = common + np.diag(prior) - np.einsum("biq,bij,bjr->qr", mixed, inverse, mixed)
-        pull = right_shared + prior * (centre - shared) - np.einsum("biq,bij,bj->q", mixed, inverse, right)
-        step_shared = np.linalg.solve(reduced, pull)
-        step = np.einsum("bij,bj->bi", inverse, right - mixed @ step_shared)
+        predicted, slopes = _model(strip.across, own[bins], shared, (along @ shared[2:])[bins])
+        variance = noise.variance(predicted)
+        equations = _Equations.summed(slopes, 1 / variance, strip.value - predicted, strip, along)
+        equations.expect(prior, centre - shared, (WIDTH_PRIOR * expected) ** -2, expected - own[:, 2])
+        step, step_shared = equations.solved()
         step[:, 0] = np.clip(step[:, 0], -0.5 * own[:, 0], own[:, 0])
         step[:, 1:] = np.clip(step[:, 1:], -LONGEST_STEP, LONGEST_STEP)
         own, shared = own + step, shared + step_shared
         shared[0] = np.clip(shared[0], max(LEAST_BLUR, 0.5 * start.blur), 2 * start.blur)
         shared[1] = np.clip(shared[1], 0.02, 1.0)
-    predicted, *_ = _model(strip.across, along, own[bins], shared)
-    residual = strip.value - predicted
-    variance = noise.variance(predicted)
-    spread = inverse + np.einsum("bij,bjq,qr,bkr,bkl->bil", inverse, mixed, np.linalg.inv(reduced), mixed, inverse)
+        if np.abs(step[:, 1]).max() < SETTLED:
+            break
+    predicted, _ = _model(strip.across, own[bins], shared, (along @ shared[2:])[bins])
     counts = np.diff(np.append(strip.starts, strip.value.size))
-    misfit = np.add.reduceat(residual**2 / variance, strip.starts) / np.maximum(counts - 3, 1)
+    square = (strip.value - predicted) ** 2 * (counts / np.maximum(counts - 3, 1))[bins]
+    misfit = np.add.reduceat(square / noise.variance(predicted), strip.starts) / counts
     return Bars(
         own[:, 0], own[:, 1], own[:, 2], float(shared[0]), float(shared[1]), shared[2:],
-        np.sqrt(spread[:, 1, 1]), misfit, predicted, residual,
+        equations.sigma(), misfit, predicted, square,
     )  # fmt: skip
 
 
-def _model(across: Array, along: Array, own: Array, shared: Array) -> tuple[Array, Array, Array]:
-    """Brightness (n,) and its derivatives by each bin's (n, 3) and by the line's parameters (n, 2 + q)."""
+def _model(across: Array, own: Array, shared: Array, slope: Array) -> tuple[Array, list[Array]]:
+    """Brightness (n,), and its derivatives (n,) by brightness, place and width of the bin, by blur and contrast of the
+    line, and by the slope of the light.
+    """
     from scipy.special import ndtr
 
     brightness, place, width = own.T
-    blur, contrast, slope = shared[0], shared[1], along @ shared[2:]
+    blur, contrast = shared[:2]
     left, right = (across - place + width / 2) / blur, (across - place - width / 2) / blur
     bar = ndtr(left) - ndtr(right)
     rise, fall = (np.exp(-0.5 * edge**2) / np.sqrt(2 * np.pi) for edge in (left, right))
     light, paper = 1 + slope * across, 1 - contrast * bar
-    dark = brightness * light * contrast / blur
-    by_own = np.stack([light * paper, dark * (rise - fall), -dark * (rise + fall) / 2], axis=1)
-    by_slope = (brightness * across * paper)[:, None] * along
-    by_line = np.stack([dark * (left * rise - right * fall), -brightness * light * bar], axis=1)
-    return brightness * light * paper, by_own, np.concatenate([by_line, by_slope], axis=1)
+    shade, dark = light * paper, brightness * light * contrast / blur
+    by_line = [dark * (left * rise - right * fall), -brightness * light * bar, brightness * across * paper]
+    return brightness * shade, [shade, dark * (rise - fall), -dark * (rise + fall) / 2, *by_line]
 
 
-def _sums(
-    strip: Strip, by_own: Array, by_shared: Array, weight: Array, residual: Array
-) -> tuple[Array, Array, Array, Array, Array]:
-    """Blocks of the normal equations: bins (b, 3, 3), bins by line (b, 3, q), line (q, q), and right-hand sides."""
-    weighted = by_own * weight[:, None]
-    normal = np.add.reduceat(weighted[:, :, None] * by_own[:, None, :], strip.starts)
-    mixed = np.add.reduceat(weighted[:, :, None] * by_shared[:, None, :], strip.starts)
-    right = np.add.reduceat(weighted * residual[:, None], strip.starts)
-    heavy = by_shared * weight[:, None]
-    return normal, mixed, heavy.T @ by_shared, right, heavy.T @ residual
+@dataclass(eq=False)
+class _Equations:
+    """Normal equations: blocks of the bins `normal` (b, 3, 3), of bins by line `mixed` (b, 3, q), of the line `common`
+    (q, q), and the right-hand sides `right` (b, 3), `right_shared` (q,).
+    """
+
+    normal: Array
+    mixed: Array
+    common: Array
+    right: Array
+    right_shared: Array
+
+    @classmethod
+    def summed(
+        cls, slopes: list[Array], weight: Array, residual: Array, strip: Strip, along: Array
+    ) -> "_Equations":
+        count, size = strip.starts.size, len(slopes)
+        block, right = np.empty((count, size, size)), np.empty((count, size))
+        for row in range(size):
+            weighted = slopes[row] * weight
+            right[:, row] = np.add.reduceat(weighted * residual, strip.starts)
+            for column in range(row, size):
+                block[:, row, column] = np.add.reduceat(weighted * slopes[column], strip.starts)
+                block[:, column, row] = block[:, row, column]
+        mixed = np.concatenate([block[:, :3, 3:5], block[:, :3, 5:] * along[:, None, :]], axis=2)
+        common = np.empty((2 + along.shape[1],) * 2)
+        common[:2, :2] = block[:, 3:5, 3:5].sum(axis=0)
+        common[:2, 2:] = block[:, 3:5, 5].T @ along
+        common[2:, :2] = common[:2, 2:].T
+        common[2:, 2:] = along.T @ (block[:, 5, 5][:, None] * along)
+        right_shared = np.concatenate([right[:, 3:5].sum(axis=0), along.T @ right[:, 5]])
+        return cls(block[:, :3, :3], mixed, common, right[:, :3], right_shared)
+
+    def expect(self, weight_shared: Array, shared: Array, weight_width: Array, width: Array) -> None:
+        """Add what was known before: how far the line's parameters and the widths are from it, and how surely."""
+        self.common[np.diag_indices(len(shared))] += weight_shared
+        self.right_shared += weight_shared * shared
+        self.normal[:, 2, 2] += weight_width
+        self.right[:, 2] += weight_width * width
+        self.normal += 1e-12 * np.einsum("bii->bi", self.normal)[:, :, None] * np.eye(3)
+
+    def solved(self) -> tuple[Array, Array]:
+        """Steps of the bins (b, 3) and of the line (q,)."""
+        self.inverse = np.linalg.inv(self.normal)
+        self.carried = self.inverse @ self.mixed
+        self.reduced = self.common - np.tensordot(self.mixed, self.carried, axes=([0, 1], [0, 1]))
+        pull = self.right_shared - np.tensordot(self.carried, self.right, axes=([0, 1], [0, 1]))
+        shared = np.linalg.solve(self.reduced, pull)
+        return np.einsum("bij,bj->bi", self.inverse, self.right) - self.carried @ shared, shared
+
+    def sigma(self) -> Array:
+        """Standard uncertainty (b,) of the places."""
+        carried = self.carried[:, 1]
+        return np.sqrt(self.inverse[:, 1, 1] + np.einsum("bq,bq->b", carried @ np.linalg.inv(self.reduced), carried))
 
 
 def learn_noise(lines: list[Bars], start: Noise) -> Noise:
     """The noise that the residuals of all lines show, as a straight line over the brightness."""
     predicted = np.concatenate([line.predicted for line in lines])
-    square = np.concatenate([line.residual for line in lines]) ** 2
+    square = np.concatenate([line.square for line in lines])
     noise = start
     for _ in range(5):
         variance = noise.variance(predicted)
-        kept = square < 16 * variance
+        kept = square < OUTLYING_SQUARE * variance
         design = np.stack([np.ones(int(kept.sum())), predicted[kept]], axis=1) / variance[kept, None]
         additive, gain = np.linalg.lstsq(design, square[kept] / variance[kept], rcond=None)[0]
-        noise = replace(noise, additive=float(additive), gain=float(gain))
+        noise = Noise(float(additive), float(gain))
     return noise

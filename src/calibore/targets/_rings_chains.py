@@ -90,7 +90,7 @@ def _dips(profiles: Array, ends: Whole) -> tuple[Whole, Array, Array, Array, Arr
     paper = np.quantile(profiles[:, : int(ends.max()) // 4], 0.8)
     noise = np.median(np.abs(np.diff(profiles, n=2, axis=0))) / 0.6745 / np.sqrt(6)
     least = max(NOISIEST * noise, 0.3 * SHALLOWEST * paper)
-    found, leaves = [], np.full(ends.size, np.inf)
+    found, leaves = [], ends * STEP
     for ray, (profile, end) in enumerate(zip(profiles, ends, strict=True)):
         line = profile[:end]
         index, about = find_peaks(-line, prominence=least, width=0, rel_height=0.5)
@@ -100,7 +100,7 @@ def _dips(profiles: Array, ends: Whole) -> tuple[Whole, Array, Array, Array, Arr
         found.append((np.full(index.size, ray), (left + right) / 2, right - left, depth / shoulder, kept))
         if kept.any():
             bright = np.flatnonzero(line > END_OF_PAPER * shoulder[kept][-1])[-1]
-            leaves[ray] = bright * STEP if bright < end - 2 else np.inf
+            leaves[ray] = bright * STEP
     ray, radius, width, depth, kept = (np.concatenate(part) for part in zip(*found, strict=True))
     return ray[kept], radius[kept], width[kept], depth[kept], leaves
 

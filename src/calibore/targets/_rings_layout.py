@@ -59,19 +59,17 @@ class Layout:
 
     def room(self, number: int, azimuth: Array) -> tuple[Array, Array]:
         """How far (n,) [px] from the midline of a ring the picture shows nothing else; whether it is resolved."""
-        ring = self.rings[number - 1]
-        radius, slope, _ = ring.radius.derivatives(azimuth)
-        inner = radius - self._radius(number - 1, azimuth)
-        before = self._radius(number - 1, azimuth) - self._radius(number - 2, azimuth) if number > 1 else inner
-        outer = self._radius(number + 1, azimuth) - radius
-        following = inner * np.clip(inner / before, 0.3, 1.0)
-        outer = np.where(np.isfinite(outer), outer, following)
-        beyond_paper = self._paper(azimuth) - radius
+        radius, slope, _ = self.rings[number - 1].radius.derivatives(azimuth)
         upright = radius / np.hypot(radius, slope)
-        gap = np.minimum(inner, outer)
-        clear = gap - self._width(number, azimuth) / 2 - CLEAR * self.blur
-        free = np.minimum(clear, beyond_paper - CLEAR * self.blur) * upright
-        return free, gap * upright > APART * self.blur + self._width(number, azimuth)
+        inner = radius - self._radius(number - 1, azimuth)
+        outer = self._radius(number + 1, azimuth) - radius
+        before = radius - inner - self._radius(number - 2, azimuth) if number > 1 else inner
+        unseen = inner * np.nan_to_num(np.clip(inner / before, 0.3, 1.0), nan=1.0)
+        gap = np.fmin(inner, np.where(np.isfinite(outer), outer, unseen))
+        width = np.maximum(self.rings[number - 1].width(azimuth), NARROWEST)
+        clear = gap - width / 2 - CLEAR * self.blur
+        free = np.minimum(clear, self._paper(azimuth) - radius - CLEAR * self.blur) * upright
+        return np.nan_to_num(free), gap * upright > APART * self.blur + width
 
     def half_window(self, width: Array, free: Array) -> Array:
         """Half (n,) [px] of the window across a line of ink `width` with `free` room; 0 where there is too little."""
@@ -80,15 +78,12 @@ class Layout:
         return np.where(half > width / 2 + LEAST_ROOM * self.blur, half, 0.0)
 
     def _radius(self, number: int, azimuth: Array) -> Array:
-        """Radius (n,) of a ring where it was seen, infinite elsewhere; 0 for the centre."""
+        """Radius (n,) of a ring where it was seen, NaN elsewhere; 0 for the centre and inside it."""
         if number < 1:
             return np.zeros(azimuth.shape)
         if number > len(self.rings):
-            return np.full(azimuth.shape, np.inf)
-        return np.where(self.seen(number, azimuth), self.rings[number - 1].radius(azimuth), np.inf)
-
-    def _width(self, number: int, azimuth: Array) -> Array:
-        return np.maximum(self.rings[number - 1].width(azimuth), NARROWEST)
+            return np.full(azimuth.shape, np.nan)
+        return np.where(self.seen(number, azimuth), self.rings[number - 1].radius(azimuth), np.nan)
 
     def _paper(self, azimuth: Array) -> Array:
         """Where (n,) [px] a ray leaves the paper, or one beside it."""

@@ -14,7 +14,7 @@ from calibore.targets._rings_strips import Strip, strip_along
 PASSES = 2
 LEAST_STEP, MOST_BINS = 2.0, 1000
 """px of a line that one mark stands for, at least; marks of the longest ring, at most."""
-BROAD = 1.8
+BROAD = 2.6
 """Blurs of ink width from which a line's own contrast can be told from its width."""
 CONTRAST_SIGMA, SAME_INK = 0.3, 0.004
 """Standard uncertainty of the ink's contrast before it is known, and from line to line."""
@@ -78,7 +78,7 @@ def _ring_line(plane: Array, layout: Layout, number: int, noise: Noise, step: fl
         return layout.beside_spokes(azimuth, radius)
 
     strip = strip_along(plane, curve, half, step=step, usable=usable)
-    along = harmonics(curve.parameter_at(strip.index), LIGHT_WAVES)
+    along = harmonics(curve.parameter_at(strip.middle), LIGHT_WAVES)
     return _fitted(strip, curve, along, width, layout, noise, ring=number)
 
 
@@ -98,7 +98,7 @@ def _spoke_line(plane: Array, layout: Layout, number: int, noise: Noise, step: f
         return layout.between_rings(*_polar(u, v, layout.centre))
 
     strip = strip_along(plane, curve, half, step=step, usable=usable)
-    part = (strip.index / len(half) * 2 - 1)[:, None]
+    part = (strip.middle / len(half) * 2 - 1)[:, None]
     return _fitted(strip, curve, part ** np.arange(LIGHT_POWERS + 1), width, layout, noise, spoke=number)
 
 
