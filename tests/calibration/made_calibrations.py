@@ -106,7 +106,7 @@ def board_calibration(seed=1, *, law="equidistant", fitted="equidistant", boards
         ValidRegion(zenith=(0.0, float(zenith.max()))),
         (
             Comparison(f"{fitted} + c1, c2", 5, scatter, 0.0, 0.0, 1.04 * scatter),
-            Comparison("stereographic", 3, 2.3 * scatter, 410.0, 395.0, 2.5 * scatter, remark="residuals have a pattern"),
+            Comparison("stereographic", 3, 2.3 * scatter, 410.0, 395.0, 2.5 * scatter, remark="a pattern is left"),
             Comparison("perspective", 3, 40 * scatter, 9000.0, 8990.0, 44 * scatter, remark="cannot be"),
         ),
         findings=(f"The {fitted} law with c1, c2 describes this lens best.",),

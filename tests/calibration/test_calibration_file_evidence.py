@@ -9,9 +9,9 @@ from calibration_examples import NAMES, calibration, fitted
 from calibore.calibration import read_calibration, recomputed_covariance, write_calibration
 from calibore.errors import InputError
 
-SEEDS = range(1, 6)
+SEEDS = range(1, 4)
 ROUNDING = 1e-6
-SCATTER = 2e-3
+SCATTER = 1e-4
 """Relative: how closely the likelihood of the scatter tells where it is greatest."""
 
 
@@ -41,7 +41,7 @@ def test_each_part_of_the_evidence_matters(tmp_path, without):
     n = seen.residual.size
     lost = {"group": np.full(n, -1), "chain": None, "prior": None, "weight": np.ones(n)}[without]
     write_calibration(replace(found, observations=replace(seen, **{without: lost})), tmp_path / "lens.toml")
-    assert change(recomputed_covariance(tmp_path / "lens.toml"), found.covariance) > 20 * SCATTER
+    assert change(recomputed_covariance(tmp_path / "lens.toml"), found.covariance) > 100 * SCATTER
 
 
 def test_known_noise_is_taken_as_known(tmp_path):

@@ -1,4 +1,4 @@
-"""The models of NIST's Statistical Reference Datasets (non-linear regression) with their derivatives, and their files."""
+"""Models of NIST's Statistical Reference Datasets (non-linear regression) with derivatives, and their files."""
 
 import re
 from collections.abc import Callable
@@ -39,7 +39,9 @@ def model(name: str, certified: Certified) -> Callable[[Array], tuple[Array, Arr
     def residuals(b: Array) -> tuple[Array, Array]:
         with np.errstate(all="ignore"):
             prediction, slopes = LAWS[name](b, certified.x)
-            return certified.measured - prediction, np.column_stack([np.broadcast_to(s, prediction.shape) for s in slopes])
+            return certified.measured - prediction, np.column_stack(
+                [np.broadcast_to(s, prediction.shape) for s in slopes]
+            )
 
     return residuals
 

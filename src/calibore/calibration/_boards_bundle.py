@@ -4,8 +4,9 @@ It searches, and compares models; the covariance of the chosen one comes from `f
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from calibore.optics import Camera
 Array = NDArray[np.float64]
 
 STEPS = 200
-SETTLED = 1e-10  # of the sum of squares
+SETTLED = 1e-9  # of the sum of squares
 DAMPING = 1e-3, 1e10  # first, and where the search gives up
 EASIER, HARDER = 0.2, 6.0
 CAUCHY = 3.0  # medians of the residuals at which a mark counts half in a robust search
@@ -26,7 +27,7 @@ CAUCHY = 3.0  # medians of the residuals at which a mark counts half in a robust
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A `model` with `values` (p,) of `names`, `poses` (m, 6) of the boards as of `BoardData.predicted`; `residual`
+    """A `model` with `values` (p,) of `names`; `poses` (m, 6) and `bends` (3,) of the board as of `BoardData`; `residual`
     (n, 2) [px] measured minus predicted; whether the search `converged`.
     """
 
@@ -35,6 +36,7 @@ class Estimate:
     poses: Array
     residual: Array
     size: tuple[int, int]
+    bends: Array = field(default_factory=lambda: np.zeros(3))
     converged: bool = True
 
     @property
@@ -44,6 +46,12 @@ class Estimate:
     @cached_property
     def camera(self) -> Camera:
         return camera_of(self.model, self.values, self.size)
+
+    def of_boards(self, boards: NDArray[np.bool_], data: BoardData) -> "Estimate":
+        return replace(self, poses=self.poses[boards], residual=self.residual[boards[data.owner]])
+
+    def with_camera_of(self, other: "Estimate") -> "Estimate":
+        return replace(self, values=other.values, bends=other.bends)
 
     @property
     def square(self) -> Array:
@@ -75,11 +83,11 @@ def bundle(
     steps: int = STEPS,
     settled: float = SETTLED,
 ) -> Estimate:
-    """The least squares estimate near `start`; parameters not in `free` (None: all) are held. `robust`: marks far off
+    """The least squares estimate near `start`; parameters not in `free` (None: all, with the board's bends) are held. `robust`: marks far off
     count little (Cauchy). It has converged when a step takes less than `settled` of the sum of squares. Raises InputError where the model does not image all marks at the start.
     """
     columns = [i for i, name in enumerate(start.names) if free is None or name in free]
-    search = _Search(data, start, columns, robust)
+    search = _Search(data, start, columns, bent=free is None and data.u_bend > 0, robust=robust)
     damping, converged = DAMPING[0], False
     for _ in range(steps):
         moved = search.tried(damping)
@@ -89,80 +97,128 @@ def bundle(
                 break
             continue
         damping = max(damping * EASIER, 1e-12)
-        converged = search.cost - moved[0] <= settled * search.cost
-        search.move(*moved)
+        converged = search.cost - moved.cost <= settled * search.cost
+        search.move(moved)
         if converged:
             break
-    return replace(start, values=search.values, poses=search.poses, residual=search.residual, converged=converged)
+    return replace(
+        start,
+        values=search.place.values,
+        poses=search.place.poses,
+        bends=search.place.bends,
+        residual=search.place.scaled * data.sigma[:, None],
+        converged=converged,
+    )
+
+
+def shared_covariance(data: BoardData, estimate: Estimate) -> Array:
+    """Covariance (p, p) of `estimate.names`, poses and bends unknown too; white noise of the residuals' size."""
+    search = _Search(data, estimate, list(range(len(estimate.names))), bent=data.u_bend > 0, robust=False)
+    scaled = estimate.residual / data.sigma[:, None]
+    spare = max(scaled.size - len(estimate.names) - 6 * data.boards, 1)
+    return search.inverse()[: len(estimate.names), : len(estimate.names)] * float(np.sum(scaled**2)) / spare
+
+
+class _Place(NamedTuple):
+    """A place of the search, and what is found there: residuals (n, 2) of sigma 1, their Jacobians by what all boards
+    share and by poses, and the `cost`.
+    """
+
+    values: Array
+    bends: Array
+    poses: Array
+    scaled: Array
+    by_shared: Array
+    by_pose: Array
+    cost: float
 
 
 class _Search:
-    def __init__(self, data: BoardData, start: Estimate, columns: list[int], robust: bool) -> None:
-        self._data, self._start, self._columns = data, start, columns
-        self._limit, self._robust = np.inf, robust
-        self.values, self.poses = start.values, start.poses
-        found = self._evaluated(start.values, start.poses)
-        if found is None:
+    """Normal equations at the present `place`."""
+
+    def __init__(self, data: BoardData, start: Estimate, columns: list[int], *, bent: bool, robust: bool) -> None:
+        self._data, self._start, self._columns, self._bent = data, start, columns, bent
+        self._limit = np.inf
+        place = self._at(start.values, start.bends, start.poses)
+        if place is None:
             raise InputError(f"{start.model.name} does not image all marks.")
         if robust:
-            self._limit = CAUCHY * float(np.median(np.hypot(*found[0].T)))
-        self.move(self._cost(found[0]), start.values, start.poses, found)
+            self._limit = CAUCHY * float(np.median(np.hypot(*place.scaled.T)))
+            place = place._replace(cost=self._cost(place.scaled, place.bends))
+        self.move(place)
 
-    def move(self, cost: float, values: Array, poses: Array, found: tuple[Array, Array, Array]) -> None:
-        """Go to a place and prepare the normal equations there."""
-        self.cost, self.values, self.poses = cost, values, poses
-        scaled, by_camera, by_pose = found
-        self.residual = scaled * self._data.sigma[:, None]
+    @property
+    def cost(self) -> float:
+        return self.place.cost
+
+    def move(self, place: _Place) -> None:
+        """Go there and prepare the normal equations."""
+        self.place = place
+        scaled, shared, pose, data = place.scaled, place.by_shared, place.by_pose, self._data
         weight = 1 / (1 + np.sum(scaled**2, axis=1) / self._limit**2)
-        weighted = by_pose * weight[:, None, None]
-        self._camera = np.einsum("n,nci,ncj->ij", weight, by_camera, by_camera)
-        self._mixed = self._data.sums(np.einsum("nci,ncj->nij", by_camera, weighted))
-        self._pose = self._data.sums(np.einsum("nci,ncj->nij", by_pose, weighted))
-        self._towards_camera = np.einsum("n,nci,nc->i", weight, by_camera, scaled)
-        self._towards_pose = self._data.sums(np.einsum("nci,nc->ni", weighted, scaled))
+        weighted = pose * weight[:, None, None]
+        self._shared = np.einsum("n,nci,ncj->ij", weight, shared, shared, optimize=True)
+        self._mixed = data.sums(shared.transpose(0, 2, 1) @ weighted)
+        self._pose = data.sums(pose.transpose(0, 2, 1) @ weighted)
+        self._towards_shared = np.einsum("n,nci,nc->i", weight, shared, scaled)
+        self._towards_pose = data.sums(np.einsum("nci,nc->ni", weighted, scaled))
+        if self._bent:
+            self._shared[-3:, -3:] += np.eye(3) / data.u_bend**2
+            self._towards_shared[-3:] -= place.bends / data.u_bend**2
 
-    def tried(self, damping: float) -> tuple[float, Array, Array, tuple[Array, Array, Array]] | None:
-        """Cost and place after a damped step; None where it leads no further down."""
-        pose = self._pose + damping * _diagonal(self._pose)
-        camera = self._camera + damping * _diagonal(self._camera[None])[0]
+    def inverse(self) -> Array:
+        """Of what the marks tell of the shared parameters when poses are unknown; infinite where they tell nothing."""
+        reduced = self._shared - np.einsum(
+            "mip,mpj->ij", self._mixed, np.linalg.solve(self._pose, self._mixed.transpose(0, 2, 1))
+        )
+        scale = np.sqrt(np.abs(np.diag(reduced)))
         try:
-            solved = np.linalg.solve(pose, np.concatenate([self._mixed.transpose(0, 2, 1), self._towards_pose[..., None]], 2))
-            by_camera, towards = solved[..., :-1], solved[..., -1]
-            reduced = camera - np.einsum("mip,mpj->ij", self._mixed, by_camera)
-            right = self._towards_camera - np.einsum("mip,mp->i", self._mixed, towards)
-            step = np.linalg.solve(reduced, right)
+            return np.linalg.inv(reduced / np.outer(scale, scale)) / np.outer(scale, scale)
+        except np.linalg.LinAlgError:
+            return np.full(reduced.shape, np.inf)
+
+    def tried(self, damping: float) -> _Place | None:
+        """Where a damped step leads; None where it leads no further down."""
+        pose = self._pose + damping * _diagonal(self._pose)
+        shared = self._shared + damping * _diagonal(self._shared[None])[0]
+        sides = np.concatenate([self._mixed.transpose(0, 2, 1), self._towards_pose[..., None]], axis=2)
+        try:
+            solved = np.linalg.solve(pose, sides)
+            by_shared, towards = solved[..., :-1], solved[..., -1]
+            reduced = shared - np.einsum("mip,mpj->ij", self._mixed, by_shared)
+            step = np.linalg.solve(reduced, self._towards_shared - np.einsum("mip,mp->i", self._mixed, towards))
         except np.linalg.LinAlgError:
             return None
-        values = self.values.copy()
-        values[self._columns] += step
-        poses = self.poses + towards - by_camera @ step
-        found = self._evaluated(values, poses)
-        if found is None:
-            return None
-        cost = self._cost(found[0])
-        return (cost, values, poses, found) if cost <= self.cost else None
+        values = self.place.values.copy()
+        values[self._columns] += step[: len(self._columns)]
+        bends = self.place.bends + step[-3:] if self._bent else self.place.bends
+        place = self._at(values, bends, self.place.poses + towards - by_shared @ step)
+        return place if place is not None and place.cost <= self.cost else None
 
-    def _cost(self, scaled: Array) -> float:
+    def _cost(self, scaled: Array, bends: Array) -> float:
         square = np.sum(scaled**2, axis=1)
-        return float(self._limit**2 * np.log1p(square / self._limit**2).sum() if self._robust else square.sum())
+        prior = float(bends @ bends) / self._data.u_bend**2 if self._bent else 0.0
+        return prior + float(
+            np.sum(self._limit**2 * np.log1p(square / self._limit**2) if self._limit < np.inf else square)
+        )
 
-    def _evaluated(self, values: Array, poses: Array) -> tuple[Array, Array, Array] | None:
-        """Residuals (n, 2) of sigma 1, their Jacobians by the free parameters and by poses; None: not imaged."""
+    def _at(self, values: Array, bends: Array, poses: Array) -> _Place | None:
+        """None where marks are not imaged."""
         start = self._start
         try:
             camera = camera_of(start.model, values, start.size)
         except InputError:
             return None
         with np.errstate(all="ignore"):
-            found = self._data.predicted(camera, poses)
-        if not np.isfinite(found.pixel).all():
-            return None
+            found = self._data.predicted(camera, poses, bends)
         index = [camera.parameter_names.index(start.names[i]) for i in self._columns]
-        sigma = self._data.sigma[:, None]
-        by_camera, by_pose = found.by_camera[:, :, index] / sigma[..., None], found.by_pose / sigma[..., None]
-        if not (np.isfinite(by_camera).all() and np.isfinite(by_pose).all()):
+        shared = [found.by_camera[:, :, index], found.by_bend] if self._bent else [found.by_camera[:, :, index]]
+        sigma = self._data.sigma[:, None, None]
+        by_shared, by_pose = np.concatenate(shared, axis=2) / sigma, found.by_pose / sigma
+        if not all(np.isfinite(part).all() for part in (found.pixel, by_shared, by_pose)):
             return None
-        return (self._data.pixel - found.pixel) / sigma, by_camera, by_pose
+        scaled = (self._data.pixel - found.pixel) / sigma[..., 0]
+        return _Place(values, bends, poses, scaled, by_shared, by_pose, self._cost(scaled, bends))
 
 
 def _diagonal(matrices: Array) -> Array:

@@ -21,19 +21,23 @@ LEAST_SIGMA = 0.5
 
 class Prediction(NamedTuple):
     """Pixels (n, 2), their derivatives by the camera's parameters (n, 2, p), by the pose of the board (n, 2, 6) and by
-    the point of the board (n, 2, 3); NaN where the camera images nothing.
+    its bends (n, 2, 3); NaN where the camera images nothing.
     """
 
     pixel: Array
     by_camera: Array
     by_pose: Array
-    by_place: Array
+    by_bend: Array
 
 
 @dataclass(frozen=True, eq=False)
 class BoardData:
     """`pixel` (n, 2) [px] of marks at `place` (n, 3) [m] on the board of picture `owner` (n,), which counts the boards
-    in order from 0 and does not decrease; `sigma` (n,) [px] of each coordinate, up to a common factor; image `size`.
+    in order from 0 and does not decrease; `sigma` (n,) [px] of each coordinate, up to a common factor; image `size`;
+    `extent` [m] from the middle of the board to the outermost marks along x and y.
+
+    One board, on all pictures: it rises out of its plane by `bends @ shapes`; `u_bend` [m]: standard uncertainty of each
+    of the three bends before any picture, 0 where it is flat.
     """
 
     pixel: Array
@@ -41,16 +45,19 @@ class BoardData:
     sigma: Array
     owner: Whole
     size: tuple[int, int]
+    extent: tuple[float, float]
+    u_bend: float = 0.0
 
     @classmethod
-    def of(cls, marks: Sequence[BoardMarks], *, square: float, size: tuple[int, int]) -> Self:
+    def of(cls, marks: Sequence[BoardMarks], *, square: float, size: tuple[int, int], u_bend: float = 0.0) -> Self:
         """Places are counted from the middle of all marks, so that a board turns about itself."""
         place = np.concatenate([np.stack([m.x, m.y, 0 * m.x], axis=1) for m in marks]) * square
         place -= (place.max(axis=0) + place.min(axis=0)) / 2
+        extent = float(place[:, 0].max()), float(place[:, 1].max())
         sigma = np.concatenate([np.full(m.u.shape, m.sigma) if m.sigmas is None else m.sigmas for m in marks])
         pixel = np.concatenate([np.stack([m.u, m.v], axis=1) for m in marks])
         owner = np.repeat(np.arange(len(marks)), [m.u.size for m in marks])
-        return cls(pixel, place, np.maximum(sigma, LEAST_SIGMA * np.median(sigma)), owner, size)
+        return cls(pixel, place, np.maximum(sigma, LEAST_SIGMA * np.median(sigma)), owner, size, extent, u_bend)
 
     @property
     def boards(self) -> int:
@@ -75,19 +82,27 @@ class BoardData:
         """`values` (n, ...) added up board by board: (m, ...)."""
         return np.add.reduceat(values, self.starts, axis=0)
 
-    def points(self, poses: Array) -> tuple[Array, Array]:
+    @cached_property
+    def shapes(self) -> Array:
+        """Rise (n, 3) per unit of bend: along the rows, down the columns, twisted; 1 at the middles of the sides."""
+        x, y = (self.place[:, :2] / self.extent).T
+        return np.stack([x * x, y * y, x * y], axis=1)
+
+    def points(self, poses: Array, bends: Array | None = None) -> tuple[Array, Array]:
         """Points (n, 3) of the camera frame for `poses` (m, 6), and their offsets from the middle of the board."""
-        offset = np.einsum("nij,nj->ni", rotations(poses[:, :3])[self.owner], self.place)
+        place = self.place if bends is None else self.place + np.outer(self.shapes @ bends, [0.0, 0.0, 1.0])
+        offset = np.einsum("nij,nj->ni", rotations(poses[:, :3])[self.owner], place)
         return offset + poses[self.owner, 3:], offset
 
-    def predicted(self, camera: Camera, poses: Array) -> Prediction:
+    def predicted(self, camera: Camera, poses: Array, bends: Array) -> Prediction:
         """Where `camera` images the marks of boards at `poses` (m, 6): rotation vector [rad], place [m]."""
-        points, offset = self.points(poses)
+        points, offset = self.points(poses, bends)
         image = camera.project_with_sensitivities(points)
         turned = -_skew(offset) @ _left_jacobians(poses[:, :3])[self.owner]
         by_pose = np.concatenate([image.by_point @ turned, image.by_point], axis=2)
-        by_place = image.by_point @ rotations(poses[:, :3])[self.owner]
-        return Prediction(np.stack([image.u, image.v], axis=1), image.by_parameters, by_pose, by_place)
+        by_rise = image.by_point @ rotations(poses[:, :3])[self.owner, :, 2:]
+        by_bend = by_rise * self.shapes[:, None, :]
+        return Prediction(np.stack([image.u, image.v], axis=1), image.by_parameters, by_pose, by_bend)
 
 
 def rotations(vectors: Array) -> Array:

@@ -93,7 +93,7 @@ def started_like(model: LensModel, estimate: Estimate) -> Estimate:
     elif model.law != estimate.model.law:
         raise InputError(f"{model.name} is started from its own law.")
     vector = np.array([values.get(name, 0.0) for name in parameter_names(model)])
-    return Estimate(model, vector, estimate.poses, estimate.residual, estimate.size)
+    return Estimate(model, vector, estimate.poses, estimate.residual, estimate.size, estimate.bends)
 
 
 def _corners(camera: Camera) -> Array:

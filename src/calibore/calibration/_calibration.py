@@ -48,10 +48,12 @@ class Observations:
     (NaN where it has none), `residual` (n,) measured minus predicted, its standard deviation `sigma` (n,), `weight`
     (n,) 0 where it was left out, `group` (n,) of residuals that share an error, and `jacobian` (n, q) of the
     predictions by the parameters `names` (q,): those calibrated and those of poses. Residuals in `unit`.
+    Of a fit: `Observations(file=..., u=..., v=..., **of_fit(fit))`, `of_fit` from `_evidence`.
 
     What ties residuals together, as `fitting.least_squares` takes it: `load` (n,) what a unit of its group's error does
     to each, None for 1; `chain` (n,) of neighbours in their order, -1 for none, None without chains; `prior` (k, q + 1)
-    rows of unit variance: L (parameters - values) = the last column; `known_noise`: sigma is known, not estimated.
+    rows of unit variance: L (parameters - values) = the last column; `known_noise`: sigma is known, not estimated;
+    `known_group_sigma`: so is that of the groups, None where it was estimated.
     `whitened` (m, q), where no such fit was made: (whitened' whitened)^-1 is the covariance of `names`.
     """
 
@@ -69,6 +71,7 @@ class Observations:
     chain: NDArray[np.intp] | None = None
     prior: Array | None = None
     known_noise: bool = False
+    known_group_sigma: float | None = None
     whitened: Array | None = None
 
     def __post_init__(self) -> None:

@@ -85,7 +85,7 @@ def turn_between(first: Array, second: Array, weights: Array) -> Array:
 def _turned(
     a: Camera, b: Camera, pixels: tuple[Array, Array], turns: Array, implied: Implied
 ) -> tuple[Array, Array]:
-    """The turn (3,) [rad], and the difference (n, 2) [px] after it, by Gauss-Newton from the best turn of directions."""
+    """The turn (3,) [rad], and the difference (n, 2) [px] after it: Gauss-Newton from the best turn of directions."""
     directions = a.unproject(*pixels).direction
     rotation = turn_between(directions, b.unproject(*pixels).direction, implied.weights)
     for _ in range(STEPS):

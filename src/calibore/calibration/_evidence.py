@@ -11,11 +11,13 @@ import numpy as np
 
 from calibore.calibration._calibration import Observations
 from calibore.errors import InputError
+from calibore.fitting import Fit
 
 EVIDENCE_FORMAT = "calibore-evidence/1"
 ROW, PARAMETER = "row", "parameter"
 DIMENSIONS = {"prior": ("prior_row", "prior_column"), "whitened": ("white_row", PARAMETER)}
-UNIT, NAMES, KNOWN_NOISE = "unit", "names", "known_noise"
+PLAIN = ("names", "unit", "known_noise", "known_group_sigma")
+UNIT = "unit"
 SAID = {
     "file": ("", "number of the file in [[calibration.file]], from 0"),
     "u": ("pixel", "column"),
@@ -70,26 +72,29 @@ def read_evidence(folder: Path) -> Observations:
             if store.attrs.get("format") != EVIDENCE_FORMAT:
                 raise InputError(f"{folder} is no evidence of a calibration; put back what `calibore calibrate` wrote.")
             arrays = {str(name): store[name].to_numpy() for name in store.data_vars}
-            names, unit, known_noise = tuple(store.attrs[NAMES]), store.attrs[UNIT], store.attrs[KNOWN_NOISE]
+            plain = {name: store.attrs[name] for name in PLAIN if name in store.attrs}
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{folder} cannot be read ({error}); put back what `calibore calibrate` wrote.") from error
-    return Observations(**arrays, names=names, unit=unit, known_noise=bool(known_noise))
+    plain["names"] = tuple(plain["names"])
+    return Observations(**arrays, **plain)
+
+
+def of_fit(fit: Fit) -> dict[str, Any]:
+    """What `Observations` takes from a fit: `Observations(file=..., u=..., v=..., **of_fit(fit))`."""
+    found: dict[str, Any] = {name: getattr(fit, name) for name in ("sigma", "jacobian", "names")}
+    ties = {} if fit.ties is None else fit.ties._asdict()
+    return found | {"residual": fit.residuals, "weight": fit.weights} | ties
 
 
 def _plain(observations: Observations) -> dict[str, Any]:
-    return {
-        UNIT: observations.unit,
-        NAMES: list(observations.names),
-        KNOWN_NOISE: int(observations.known_noise),
-    }
+    found = {name: getattr(observations, name) for name in PLAIN}
+    found["names"] = list(observations.names)
+    return {name: value for name, value in found.items() if value is not None}
 
 
 def _arrays(observations: Observations) -> dict[str, Any]:
     values = {field.name: getattr(observations, field.name) for field in fields(observations)}
-    found = {
-        name: value for name, value in values.items() if name not in (NAMES, UNIT, KNOWN_NOISE) and value is not None
-    }
-    return {name: np.asarray(value) for name, value in found.items()}
+    return {name: np.asarray(value) for name, value in values.items() if name not in PLAIN and value is not None}
 
 
 def _order_metadata(path: Path) -> None:

@@ -66,6 +66,7 @@ def _fitted_again(observations: Observations) -> Array:
         group_loads=_of(observations.load, used),
         chains=_of(observations.chain, used),
         noise=1.0 if observations.known_noise else None,
+        group_sigma=observations.known_group_sigma,
     )
     return fit.covariance / np.outer(size, size)
 

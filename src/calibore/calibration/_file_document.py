@@ -61,6 +61,7 @@ class CalibrationTable(Document):
     parameters: tuple[str, ...]
     values: tuple[float, ...]
     covariance: tuple[tuple[float, ...], ...]
+    parameter_degrees_of_freedom: tuple[AnyNumber, ...] | None = None
     degrees_of_freedom: float = inf
     noise: AnyNumber
     group_sigma: AnyNumber
@@ -108,7 +109,11 @@ def calibration_of(path: Path, file: CalibrationFile, observations: Observations
         raise InputError(f"{path}: calibration.values: {count} parameters need as many values, got {got}.")
     values = dict(zip(table.parameters, table.values, strict=True))
     rig, camera = _parts(path, file)
-    covariance = Covariance(table.parameters, np.array(table.covariance).reshape((len(values),) * 2))
+    covariance = Covariance(
+        table.parameters,
+        np.array(table.covariance).reshape((len(values),) * 2),
+        degrees_of_freedom=table.parameter_degrees_of_freedom,
+    )
     _check_unchanged(path, rig or camera, zip(values, values.values(), covariance.u, strict=True))
     return Calibration(
         kind=table.kind,

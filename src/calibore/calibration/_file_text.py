@@ -47,11 +47,14 @@ def _heading(calibration: Calibration, evidence: str) -> Iterator[str]:
             f"{', '.join(calibration.values)} and {', '.join(covariance.names)}."
         )
     yield from _entries({"kind": calibration.kind, "created_by": f"calibore {__version__}", "evidence": evidence})
-    yield "# SI (m, rad) or px, as everything below"
+    yield "# in SI (m, rad) or px"
     yield from ("parameters = [", *(f"    {_text(name)}," for name in covariance.names), "]")
     known = zip(calibration.values.values(), covariance.u.tolist(), strict=True)
     yield from ("values = [", *(f"    {_value(float(value))},  # u {u:.3g}" for value, u in known), "]")
     yield from ("covariance = [", *(f"    {_value(row)}," for row in covariance.matrix.tolist()), "]")
+    each = [float(freedom) for freedom in covariance.degrees_of_freedom]
+    if not all(map(isinf, each)):
+        yield from _entries({"parameter_degrees_of_freedom": each})
     freedom = calibration.degrees_of_freedom
     if not isinf(freedom):
         yield from _entries({"degrees_of_freedom": float(freedom)})

@@ -52,7 +52,7 @@ class Halves(NamedTuple):
     @property
     def verdict(self) -> str:
         what, first, second = self.parts
-        asked = f"{first} {what} against the other {second}: {self.rms:.2g} px rms apart, {self.expected:.2g} px expected"
+        asked = f"{first} {what} against {second}: {self.rms:.2g} px rms apart, {self.expected:.2g} px expected"
         if self.p < 0.01:
             return (
                 f"{asked}. That is more than chance (p = {self.p:.1g}): the model does not describe this camera within "

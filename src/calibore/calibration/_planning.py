@@ -91,14 +91,15 @@ def plan(
     before = _u(wall, state.factor)
     informative = {shot: state.information(rig, picture) for shot, picture in pictures.items()}
     for _ in range(count):
-        ranked = sorted((Step(shot, _u(wall, state.told(rows).factor)) for shot, rows in informative.items()), key=_by_u)
+        after = (Step(shot, _u(wall, state.told(rows).factor)) for shot, rows in informative.items())
+        ranked = sorted(after, key=_by_u)
         ranking = ranking or tuple(ranked)
         steps.append(ranked[0])
         state = state.told(informative[ranked[0].shot])
-    after = state.covariance(known.names)
+    found = state.covariance(known.names)
     radius = np.linspace(*REACH, RADII) * nominal_radius
-    curves = (wall_uncertainty(rig.knowing(one), radii=radius).mean for one in (known, after))
-    return Plan(nominal_radius, before, tuple(steps), ranking or (), radius, *curves, after)
+    curves = (wall_uncertainty(rig.knowing(one), radii=radius).mean for one in (known, found))
+    return Plan(nominal_radius, before, tuple(steps), ranking or (), radius, *curves, found)
 
 
 @dataclass(frozen=True, eq=False)

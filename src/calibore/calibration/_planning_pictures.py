@@ -1,52 +1,22 @@
 """What a picture that is not taken yet would tell of a rig: its rows of a least-squares fit."""
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._looks import Look
-from calibore.calibration._on_the_wall import wall_pixels
+from calibore.calibration._planning_light import STEP, Picture, across_line, in_picture, picture_of_light
 from calibore.calibration._planning_shots import Shot
-from calibore.calibration._planning_targets import (
-    PlannedBoard,
-    PlannedFlats,
-    PlannedGauges,
-    PlannedRings,
-    PlannedTarget,
-)
-from calibore.calibration._references import AHEAD, OUTWARDS, FlatTarget, Reference, RingGauge
-from calibore.calibration._rig_model import RigModel, nearest_branches
+from calibore.calibration._planning_targets import PlannedBoard, PlannedRings, PlannedTarget
 from calibore.geometry import xy_of
 from calibore.lasers import Plane
 from calibore.optics import Camera
-from calibore.rigs import Rig, SideFacing
+from calibore.rigs import Rig
 
 Array = NDArray[np.float64]
 FEWEST_RINGS = 4
-FEWEST_MARKS = 8
-EDGE = 5.0
-"""px from the image's border within which no mark is found."""
 PLACED = (1e-4, 2e-3)
 """m and slope: how well a target stands in the light, judged by eye."""
-STEP = 1e-4
-"""rad or fraction: of differences along a line, whose direction needs no more digits."""
-
-
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """`rows` (n, p) by `rig.parameter_names`, `beside` (n, q) by poses and settings, of standard uncertainty
-    `beside_u` (q,) before (infinite: unknown), `shared` (n, s) by errors of the target's own making, `shared_u`, named
-    `keys`: pictures of one target have them in common. All in units of the noise.
-    """
-
-    rows: Array
-    beside: Array
-    beside_u: Array
-    shared: Array
-    shared_u: Array
-    keys: tuple[str, ...]
 
 
 class _Flat(NamedTuple):
@@ -63,7 +33,7 @@ def picture_of(rig: Rig, target: PlannedTarget, shot: Shot) -> Picture | None:
         return _of_rings(rig, target, shot)
     if isinstance(target, PlannedBoard):
         return _of_board(rig, target, shot)
-    return _of_light(rig, target, shot)
+    return picture_of_light(rig, target, shot)
 
 
 def _of_rings(rig: Rig, target: PlannedRings, shot: Shot) -> Picture | None:
@@ -85,15 +55,14 @@ def _of_rings(rig: Rig, target: PlannedRings, shot: Shot) -> Picture | None:
         beside_u[5] = PLACED[0]
         beside_u[2] = np.inf
     keys = tuple(f"ring {number + 1}" for number in whole)
-    return Picture(rows / target.noise, beside / target.noise, beside_u, shared, np.full(len(whole), target.u_ring), keys)
+    shared_u = np.full(len(whole), target.u_ring)
+    return Picture(rows / target.noise, beside / target.noise, beside_u, shared, shared_u, keys)
 
 
 def _of_board(rig: Rig, target: PlannedBoard, shot: Shot) -> Picture | None:
     width, height = target.size
-    x, y = (
-        a.ravel()
-        for a in np.meshgrid(np.linspace(-0.5, 0.5, target.columns) * width, np.linspace(-0.5, 0.5, target.rows) * height)
-    )
+    across, along = np.linspace(-0.5, 0.5, target.columns) * width, np.linspace(-0.5, 0.5, target.rows) * height
+    x, y = (a.ravel() for a in np.meshgrid(across, along))
     flat = _placed(rig, shot, np.hypot(x, y), np.arctan2(y, x))
     seen = _in_image(rig.camera, flat.points)
     if not seen.all():
@@ -103,30 +72,6 @@ def _of_board(rig: Rig, target: PlannedBoard, shot: Shot) -> Picture | None:
     return Picture(rows / target.noise, beside / target.noise, np.full(6, np.inf), none, np.zeros(0), ())
 
 
-def _of_light(rig: Rig, target: PlannedGauges | PlannedFlats, shot: Shot) -> Picture | None:
-    """Of the laser's line in a gauge or on a flat, by the very model that calibrations are fitted with."""
-    pictures = []
-    for laser in range(len(rig.lasers)):
-        u, v, direction = _line(rig, target, shot, laser)
-        if u.size < FEWEST_MARKS:
-            continue
-        look = Look(u, v, direction, np.full(u.size, target.noise), _reference(rig, target, shot, laser), "shot", laser)
-        model = RigModel(rig, (look,), rig.parameter_names)
-        start = np.zeros(len(model.names))
-        model = RigModel(rig, (look,), rig.parameter_names, nearest_branches(model, start))
-        _, jacobian, slope = model.evaluate(start)
-        pictures.append(-jacobian[np.isfinite(slope)] / (slope[np.isfinite(slope)] * target.noise)[:, None])
-    if not pictures:
-        return None
-    jacobian, p, reference = np.concatenate(pictures), len(rig.parameter_names), _reference(rig, target, shot, 0)
-    setting = reference.nuisance_u
-    rows, beside, error = np.split(jacobian, [p, p + setting.size], axis=1)
-    if isinstance(target, PlannedGauges):
-        return Picture(rows, beside, setting, error, np.full(error.shape[1], target.u), (shot.said(),)[: error.shape[1]])
-    beside, setting = np.hstack([beside, error]), np.append(setting, np.full(error.shape[1], target.u))
-    return Picture(rows, beside, setting, error[:, :0], np.zeros(0), ())
-
-
 def _placed(rig: Rig, shot: Shot, radius: Array, angle: Array) -> _Flat:
     """Points at polar places (n,) of the target: in its plane, x right and y down where it stands square."""
     camera, along = rig.camera, np.stack([np.cos(angle), np.sin(angle), np.zeros(angle.size)], axis=1)
@@ -134,7 +79,8 @@ def _placed(rig: Rig, shot: Shot, radius: Array, angle: Array) -> _Flat:
     if shot.in_light and isinstance(surface, Plane):
         origin, normal = np.array([0.0, 0.0, surface.baseline]), surface.normal
     else:
-        u, v = ((1 + place) / 2 * size - 0.5 for place, size in zip(shot.place, (camera.width, camera.height), strict=True))
+        size = camera.width, camera.height
+        u, v = ((1 + place) / 2 * side - 0.5 for place, side in zip(shot.place, size, strict=True))
         centred = shot.place == (0.0, 0.0)
         ray = np.array([0.0, 0.0, 1.0]) if centred else camera.unproject([u], [v]).direction[0]
         x, y = xy_of(shot.towards, np.sin(shot.tilt))
@@ -160,7 +106,7 @@ def _through_camera(rig: Rig, flat: _Flat, across: Array, kept: Array) -> tuple[
 
 
 def _with_light(rig: Rig, rows: Array, beside: Array) -> Array:
-    """`rows` of a target that moves with the plane of light it stands in: n turns by n x dn, its foot by the baseline."""
+    """`rows` of a target that goes with the plane of light it stands in: it turns by n x dn, shifts by the baseline."""
     plane = rig.lasers[0].surface
     assert isinstance(plane, Plane)
     length = np.linalg.norm(plane.normal)
@@ -175,50 +121,10 @@ def _with_light(rig: Rig, rows: Array, beside: Array) -> Array:
     return rows
 
 
-def _line(rig: Rig, target: PlannedGauges | PlannedFlats, shot: Shot, laser: int) -> tuple[Array, Array, Array]:
-    """Pixels of the marks in the image, and the unit vectors (n, 2) across the line."""
-    places = [_lit_pixels(rig, target, shot, laser, step) for step in (0.0, STEP, -STEP)]
-    along = np.stack(places[1], axis=1) - np.stack(places[2], axis=1)
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
-    u, v = places[0]
-    seen = _inside(rig.camera, u, v) & np.isfinite(across[:, 0])
-    return u[seen], v[seen], across[seen]
-
-
-def _lit_pixels(
-    rig: Rig, target: PlannedGauges | PlannedFlats, shot: Shot, laser: int, step: float
-) -> tuple[Array, Array]:
-    clock = np.arange(target.marks) * (2 * np.pi / target.marks) + step
-    if shot.diameter is not None:
-        return wall_pixels(rig, clock, np.full(clock.size, shot.diameter / 2), laser=laser)
-    distance = shot.distance or 0.0
-    if isinstance(rig.mount, SideFacing):
-        along = (np.linspace(-1.0, 1.0, target.marks) + step) * distance
-        return wall_pixels(rig, clock, np.full(clock.size, distance), laser=laser, axial=along)
-    ways = np.stack([*xy_of(clock, 1.0), np.zeros(clock.size)], axis=1)
-    feet = np.tile([0.0, 0.0, distance], (clock.size, 1))
-    meetings = rig.lasers[laser].surface.meet(feet, ways)
-    there = (meetings.flags != 0) & np.isfinite(meetings.distance) & (meetings.distance > 0)
-    first = np.argmax(there, axis=0), np.arange(clock.size)
-    return rig.project(feet + np.where(there, meetings.distance, np.nan)[first][:, None] * ways)
-
-
-def _reference(rig: Rig, target: PlannedGauges | PlannedFlats, shot: Shot, laser: int) -> Reference:
-    if isinstance(target, PlannedGauges):
-        return RingGauge(shot.diameter or 0.0, u=target.u, u_tilt=target.u_tilt)
-    direction = OUTWARDS if isinstance(rig.mount, SideFacing) else AHEAD
-    return FlatTarget(shot.distance or 0.0, direction, target.u, (target.u_tilt, target.u_tilt))
-
-
 def _across(camera: Camera, ahead: Array, behind: Array) -> Array:
     """(n, 2) unit vectors across the image of a line from points `behind` to points `ahead`."""
-    along = np.stack(camera.project(ahead), axis=1) - np.stack(camera.project(behind), axis=1)
-    return np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
+    return across_line(np.stack(camera.project(ahead), axis=1) - np.stack(camera.project(behind), axis=1))
 
 
 def _in_image(camera: Camera, points: Array) -> NDArray[np.bool_]:
-    return _inside(camera, *camera.project(points))
-
-
-def _inside(camera: Camera, u: Array, v: Array) -> NDArray[np.bool_]:
-    return (u >= EDGE) & (u <= camera.width - 1 - EDGE) & (v >= EDGE) & (v <= camera.height - 1 - EDGE)
+    return in_picture(camera, *camera.project(points))

@@ -115,8 +115,8 @@ class _AnyTarget(Document):
 
 
 def read_planned_target(path: Path | str) -> PlannedTarget:
-    """The target that `path`, target.toml or its folder, describes: rings, boards, or flats on a slide. Raises InputError
-    where a plan can make nothing of it.
+    """The target that `path`, target.toml or its folder, describes: rings, a board, or a flat on a slide. Raises
+    InputError where a plan can make nothing of it.
     """
     path = Path(path)
     path = path / "target.toml" if path.is_dir() else path

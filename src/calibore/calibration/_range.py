@@ -14,6 +14,7 @@ from calibore.calibration._looks import Look
 from calibore.calibration._range_file import RangeTarget, read_range_target, starting_rig
 from calibore.calibration._range_findings import range_findings, range_warnings
 from calibore.calibration._range_pictures import LinePictures, find_lines
+from calibore.calibration._range_start import roughly
 from calibore.calibration._references import FlatTarget
 from calibore.calibration._rig_findings import observations_of, zeniths_of
 from calibore.calibration._rig_fit import RigFit, fit_rig
@@ -66,9 +67,10 @@ def fit_range(rig: Rig, looks: Iterable[Look], *, known: Covariance | None) -> R
     refuse_too_few(looks, wanted=len(free) - (len(prior.names) if prior else 0))
     bounds = _bounds(rig, free)
     try:
-        found = fit_rig(rig, looks, free=(*free, LEAN), prior=prior, bounds=bounds)
+        near = roughly(rig, looks, k_known=(prior is not None and "camera.k" in prior.names) or "camera.k" not in free)
+        found = fit_rig(rig, looks, free=(*free, LEAN), prior=prior, bounds=bounds, near=near)
         if found.change(LEAN)[1] > LEAST_LEANING:
-            found = fit_rig(rig, looks, free=free, prior=prior, bounds=bounds)
+            found = fit_rig(rig, looks, free=free, prior=prior, bounds=bounds, near=near)
     except InputError as error:
         raise InputError(
             f"{str(error).rstrip('.')}. The head was looked for near baseline {1e3 * value_of(rig, HEAD[0]):.4g} mm, "

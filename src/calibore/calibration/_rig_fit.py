@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.calibration._looks import Look
 from calibore.calibration._rig_model import RigModel
-from calibore.calibration._rig_start import Prior, prior_of, rough_values, usable_model
+from calibore.calibration._rig_start import Prior, prior_of, rough_rig, usable_model
 from calibore.errors import InputError
 from calibore.fitting import Fit, least_squares
 from calibore.rigs import Rig, triangulate
@@ -49,7 +49,7 @@ class RigFit:
 
     def with_looks(self, looks: Iterable[Look]) -> "RigFit":
         """The same fit to other looks."""
-        return fit_rig(self.model.rig, looks, free=self.free, prior=self.prior, bounds=self.bounds)
+        return fit_rig(self.model.rig, looks, free=self.free, prior=self.prior, bounds=self.bounds, near=self.rig)
 
     def radii(self) -> Array:
         """Distances (n,) [m] of all marks from the rig axis."""
@@ -72,16 +72,20 @@ def fit_rig(
     free: Iterable[str],
     prior: Covariance | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    near: Rig | None = None,
     robust: bool = True,
 ) -> RigFit:
     """The parameters `free` of `rig` for which the marks of `looks` lie on their references.
 
-    `prior`: what is known of some of them, about their values in `rig`; `bounds` of changes. Marks of one stop share
+    `prior`: what is known of some of them, about their values in `rig`; `bounds` of changes; `near`: where to start, if
+    not there. Marks of one stop share
     the error of its reference: as large as that states, or as stops are found to scatter. Raises InputError where the
     evidence does not suffice or the fit fails.
     """
-    model = usable_model(RigModel(rig, tuple(looks), tuple(free)))
-    values, known, rounds = rough_values(model), prior_of(model, prior), 0
+    whole = RigModel(rig, tuple(looks), tuple(free))
+    near = rough_rig(whole, near or rig)
+    model = usable_model(whole, near)
+    values, known, rounds = model.start(near), prior_of(model, prior), 0
     slope = model.gaps(values).slope
     while True:
         fit = _fitted(model, values, slope, known, robust=robust)
@@ -104,8 +108,8 @@ def foreseen(
     """Standard uncertainties of the parameters `free` that a fit would give about the rig as it is, were the marks of
     `looks` as noisy as they say, and errors of references independent; infinite where they tell nothing.
     """
-    model = usable_model(RigModel(rig, tuple(looks), tuple(free)))
-    _, jacobian, slope = model.gaps(model.start())
+    model = usable_model(RigModel(rig, tuple(looks), tuple(free)), rig)
+    _, jacobian, slope = model.gaps(model.start(rig))
     errors = np.zeros((slope.size, len(model.stops)))
     errors[np.arange(slope.size), model.stop_of] = 1.0
     rows = np.concatenate([jacobian, errors], axis=1) / (model.sigma * np.abs(slope))[:, None]

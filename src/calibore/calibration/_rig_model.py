@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from calibore.calibration._looks import Look
 from calibore.calibration._references import Reference
+from calibore.calibration._rig_values import value_of
 from calibore.errors import InputError
 from calibore.rigs import Rig, meetings_of, moved, triangulate
 
@@ -108,22 +109,22 @@ class RigModel:
                 gaps.jacobian[np.ix_(rows, nuisance)] = gap.by_nuisance
         return gaps
 
-    def start(self) -> Array:
-        """Parameters (p,) of the rig as it is, and of references as the rig sees them."""
+    def start(self, near: Rig) -> Array:
+        """Parameters (p,) of the rig `near`, and of references as it sees them."""
         values = np.zeros(len(self.names))
+        values[: len(self.free)] = [value_of(near, name) - value_of(self.rig, name) for name in self.free]
         for setting, reference in self.settings.items():
-            points = [self.points(number) for number, look in enumerate(self.looks) if look.of_setting == setting]
-            points = np.concatenate(points)
+            looks = [number for number, look in enumerate(self.looks) if look.of_setting == setting]
+            points = np.concatenate([self._points(near, number) for number in looks])
             points = points[np.isfinite(points[:, 0])]
             if len(points) > reference.nuisance_u.size:
                 values[[self.names.index(name) for name in self.nuisances(setting)]] = reference.first_guess(points)
         return values
 
-    def points(self, number: int) -> Array:
-        """Where the rig as it is places the marks of a look (n, 3)."""
+    def _points(self, rig: Rig, number: int) -> Array:
         look = self.looks[number]
         branch = self.branches[number] if self.branches else 0
-        return triangulate(self.rig, look.u, look.v, laser=look.laser, branch=branch).points
+        return triangulate(rig, look.u, look.v, laser=look.laser, branch=branch).points
 
     def _met(self, rig: Rig, laser: int):
         looks = [(number, look) for number, look in enumerate(self.looks) if look.laser == laser]

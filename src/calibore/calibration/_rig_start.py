@@ -9,15 +9,19 @@ from numpy.typing import NDArray
 from calibore.calibration._rig_model import RigModel, nearest_branches
 from calibore.calibration._rig_values import value_of
 from calibore.errors import InputError
-from calibore.fitting import least_squares
-from calibore.rigs import margin
+from calibore.rigs import Rig, margin
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
 NEAR_FOLD = 25.0
 """Marks of smaller margin are left out: there the radius goes with a root of the pixel, not with the pixel."""
-ROUGH, ROUGH_SLOPE, ROUGH_PIXELS = 0.1, 0.05, 20.0
-"""How well a rig is known at least before a first look: lengths and k relatively, angles [rad], centre [px]."""
+ROUGH, ROUGH_LENGTH, ROUGH_SLOPE, ROUGH_PIXELS = 0.1, 0.02, 0.05, 20.0
+"""How well a rig is known at least before a first look: lengths and k relatively, offsets [m], angles [rad],
+centre [px]."""
+MOST_LOOKS, SETTLED, ROUGHLY = 4, 0.01, 1e-8
+"""First looks, the last of which changes nothing by more of what is known at least; how exactly each ends."""
+LOST = 100.0
+"""px: how far off a mark counts in a first look that on the way meets no light."""
 
 
 class Prior(NamedTuple):
@@ -28,12 +32,14 @@ class Prior(NamedTuple):
     matrix: Array
 
 
-def usable_model(model: RigModel) -> RigModel:
-    """Only the marks that meet their laser's light, far enough from its folds, where it meets the references."""
-    model = replace(model, branches=nearest_branches(model, np.zeros(len(model.names))))
-    model = replace(model, branches=nearest_branches(model, model.start()))
+def usable_model(model: RigModel, near: Rig) -> RigModel:
+    """Only the marks that meet the light of the rig `near` far enough from its folds, where it meets references."""
+    straight = model.start(near)
+    straight[len(model.free) :] = 0.0
+    model = replace(model, branches=nearest_branches(model, straight))
+    model = replace(model, branches=nearest_branches(model, model.start(near)))
     looks, branches = [], []
-    lit, rig = np.isfinite(model.gaps(model.start()).value), model.rig.knowing(None)
+    lit, rig = np.isfinite(model.gaps(model.start(near)).value), near.knowing(None)
     for number, (look, branch) in enumerate(zip(model.looks, model.branches, strict=True)):
         m = margin(rig, look.u, look.v, branch=branch, u_pixel=look.sigma, direction=look.direction, laser=look.laser)
         kept = lit[model.look_of == number] & (m >= NEAR_FOLD)
@@ -66,19 +72,50 @@ def prior_of(model: RigModel, rig: Covariance | None) -> Prior | None:
     return Prior(names, np.zeros(len(names)), matrix)
 
 
-def rough_values(model: RigModel) -> Array:
-    """Parameters (p,) near enough for what a pixel means in metres: every mark with its own slope, all alike good,
-    within what people who build a rig know of it.
+def rough_rig(model: RigModel, near: Rig) -> Rig:
+    """Near enough for what a pixel means in metres and which meeting each mark shows: every mark with its own slope,
+    all alike good, within what people who build a rig know of it.
     """
-    start = model.start()
+    from scipy.optimize import least_squares
 
-    def in_pixels(values: Array) -> tuple[Array, Array]:
-        value, jacobian, slope = model.gaps(values)
-        return value / slope, -jacobian / slope[:, None]
+    for _ in range(MOST_LOOKS):
+        usable = usable_model(model, near)
+        start = usable.start(near)
+        known = _known_at_least(usable, start)
+        values = least_squares(
+            lambda x: _in_pixels(usable, x, known)[0],  # noqa: B023
+            start,
+            lambda x: _in_pixels(usable, x, known)[1],  # noqa: B023
+            loss="soft_l1",
+            x_scale="jac",
+            xtol=ROUGHLY,
+            ftol=ROUGHLY,
+        ).x
+        near = usable.moved_rig(values)
+        if np.abs(known @ (values - start)).max() < SETTLED:
+            break
+    return near
 
+
+def _in_pixels(model: RigModel, values: Array, known: Array) -> tuple[Array, Array]:
+    """Residuals (n + k,) [px] of marks and of what is known, and their Jacobian (n + k, p)."""
+    value, jacobian, slope = model.gaps(values)
+    residual, by_parameters = value / slope, jacobian / slope[:, None]
+    lost = ~np.isfinite(residual)
+    residual[lost], by_parameters[lost] = LOST, 0.0
+    aside = known @ values
+    return np.concatenate([residual, aside]), np.concatenate([by_parameters, known])
+
+
+def _known_at_least(model: RigModel, start: Array) -> Array:
+    """Rows (k, p) of unit variance: how well rig and references are known before."""
     rough = np.array([_rough(model, name) for name in model.free])
-    known = prior_of(model, Covariance(model.free, np.diag(rough**2)))
-    return least_squares(in_pixels, start, names=model.names, sigma=model.sigma, prior=known, robust=True).values
+    prior = prior_of(model, Covariance(model.free, np.diag(rough**2)))
+    assert prior is not None
+    rows = np.zeros((len(prior.names), start.size))
+    index = [model.names.index(name) for name in prior.names]
+    rows[np.arange(len(index)), index] = 1 / np.sqrt(np.diag(prior.matrix))
+    return rows
 
 
 def _rough(model: RigModel, name: str) -> float:
@@ -88,5 +125,5 @@ def _rough(model: RigModel, name: str) -> float:
     if key in ("k", "baseline") and value > 0:
         return ROUGH * value
     if key in ("baseline", "offset"):
-        return ROUGH * float(np.nanmedian(np.linalg.norm(model.points(0), axis=1)))
+        return ROUGH_LENGTH
     return ROUGH_SLOPE

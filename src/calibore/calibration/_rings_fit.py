@@ -1,14 +1,17 @@
 """One lens model fitted to the marks of ring photographs."""
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._lens_models import ASPECT, CENTRE, LensModel, middle_of
-from calibore.calibration._rings_model import RingModel, target_names
-from calibore.calibration._rings_sight import Sight
+from calibore.calibration._rings_model import FINDER, RingModel, target_names
+from calibore.calibration._rings_sight import Sight, condensed, evened
 from calibore.calibration._rings_start import start_values
+from calibore.errors import InputError
 from calibore.fitting import Fit, least_squares
 
 Array = NDArray[np.float64]
@@ -17,19 +20,30 @@ U_CENTRE = 0.05
 """Of the image's width: standard uncertainty of the principal point before any picture. Lenses are screwed in front of
 the middle of their sensor; a twentieth is generous, and it counts only where the target fills a narrow view."""
 U_BASELINE = 0.5
-"""Of the nominal baseline: it is measured to the front of the lens, the pupil lies somewhere behind."""
+"""Of the nominal baseline, where nothing is stated: it is measured to the front of the lens, the pupil lies behind."""
+U_FINDER = 0.001
+"""px: standard uncertainty of what all marks of a picture err alike, measured on rendered photographs."""
 FARTHEST = 10.0
 """A target at more than this many nominal baselines, or at less than one such fraction, is at a bound."""
+CLOSE = 20.0
+"""Times the best root mean square residual: beyond, a lens is out of the question."""
 STEEPEST, ASPECTS = 1.0, (0.5, 2.0)
+ENOUGH = 1500
+"""Marks that tell roughly where everything is."""
+SMOOTH = LensModel("polynomial", ("polynomial_3",))
+"""Near enough to any lens to compare neighbouring marks by."""
 
 
 @dataclass(frozen=True, eq=False)
 class RingFit:
-    """`fit` of `model`; `of_print`: lines share errors of their print [m], rather than of their picture [px]."""
+    """`fit` of `model` to the marks that are in it; `prior_rows` (k, p): what was known before, of unit variance;
+    `loads` (n,) of what marks of a line share, None: 1 of each.
+    """
 
     model: RingModel
     fit: Fit
-    of_print: bool = False
+    prior_rows: Array
+    loads: Array | None = None
 
     @property
     def lens(self) -> LensModel:
@@ -42,48 +56,81 @@ class RingFit:
         i, j = self.fit.names.index(first), self.fit.names.index(second)
         return float(self.fit.covariance[i, j] / (self.fit.u[i] * self.fit.u[j]))
 
+    @property
+    def rms(self) -> float:
+        """px, of the marks on rings that are used."""
+        used = (self.fit.weights > 0) & np.concatenate([marks.ring > 0 for marks in self.model.marks])
+        return float(np.sqrt(np.mean(self.fit.residuals[used] ** 2)))
+
 
 def fit_lens(
-    sight: Sight,
-    lens: LensModel,
-    *,
-    start: Array | None = None,
-    neighbours: bool = True,
-    lines: bool = True,
-    robust: bool = True,
-    of_print: bool = False,
+    sight: Sight, lens: LensModel, *, start: Array | None = None, shared: bool = True, robust: bool = False
 ) -> RingFit:
-    """`lens`, pixel aspect, principal point and places of the target from all marks together.
-
-    Errors that the marks of a line share are told by the marks: those of a line in its picture [px], or with `of_print`
-    those of a printed line in all pictures [m]. Raises InputError where the fit fails or ends at a bound.
+    """`lens`, pixel aspect, principal point and places of the target from all marks together; `shared`: with errors
+    that the marks of a line share. Raises InputError where the fit fails or ends at a bound.
     """
-    known = sight.u_ring is not None and sight.u_ring > 0
-    model = RingModel(lens, sight.printed, sight.marks, sight.size, square=sight.square, printed_errors=known)
+    printed_errors = bool(sight.u_ring)
+    model = RingModel(lens, sight.printed, sight.marks, sight.size, sight.square, printed_errors)
     if start is None:
         start = start_values(model, sight.nominal_baseline, principal_point=sight.principal_point)
-    groups = sight.line if of_print else sight.sight_of_line
+    prior = _prior(sight, model)
     fit = least_squares(
         model,
         start,
         names=model.names,
         sigma=sight.sigma / np.median(sight.sigma),
-        prior=_prior(sight, model),
-        groups=groups if lines else None,
-        group_loads=model.pixels_per_metre(start) if lines and of_print else None,
-        chains=sight.chains if neighbours else None,
+        prior=prior,
+        groups=sight.sight_of_line if shared else None,
+        group_loads=sight.enlarged if shared else None,
         robust=robust,
         bounds=_bounds(sight, model),
     )
-    return RingFit(model, fit, of_print)
+    known = np.eye(len(model.names))[[model.names.index(name) for name in prior[0]]]
+    return RingFit(model, fit, known / np.sqrt(np.diag(prior[2]))[:, None], sight.enlarged)
+
+
+def stretches(sight: Sight) -> Sight:
+    """The marks of all pictures, condensed to a mark for each stretch of a line."""
+    few = sight.thinned(ENOUGH)
+    rough = fit_lens(few, SMOOTH, shared=False, robust=True)
+    model = RingModel(SMOOTH, sight.printed, sight.marks, sight.size, sight.square, rough.model.printed_errors)
+    return condensed(sight, model(rough.fit.values)[0])
+
+
+def fit_all(
+    sight: Sight, lenses: tuple[LensModel, ...], *, done: Callable[[], None] = lambda: None
+) -> tuple[Sight, dict[LensModel, RingFit]]:
+    """Every lens that can be fitted, and the marks with sigmas as they scatter about the best of them. Lenses that miss
+    by much more than the best are fitted as well as they can be, without a model of errors.
+    """
+    plain: dict[LensModel, RingFit] = {}
+    for lens in lenses:
+        with suppress(InputError):
+            plain[lens] = fit_lens(sight, lens, shared=False)
+        done()
+    if not plain:
+        raise InputError(
+            "No lens model can be fitted to the marks; check that rings, spokes and ring_spacing are those of the target."
+        )
+    best = min(plain.values(), key=lambda fit: fit.rms)
+    sight = evened(sight, best.fit.residuals)
+    fits = {lens: _with_shared(sight, fit, close=fit.rms <= CLOSE * best.rms) for lens, fit in plain.items()}
+    return sight, fits
+
+
+def _with_shared(sight: Sight, plain: RingFit, *, close: bool) -> RingFit:
+    if close:
+        with suppress(InputError):
+            return fit_lens(sight, plain.lens, start=plain.fit.values)
+    return plain
 
 
 def _prior(sight: Sight, model: RingModel) -> tuple[list[str], Array, Array]:
-    """What is known before any picture: weak, but for the stated uncertainty of the printed radii."""
+    """What is known before any picture: weak, but for the finder and the stated uncertainty of printed radii."""
     width, height = sight.size
     point = sight.principal_point or middle_of(width, height)
-    names, mean = [*CENTRE, "laser.baseline"], [*point, sight.nominal_baseline]
-    u = [U_CENTRE * width] * 2 + [U_BASELINE * sight.nominal_baseline]
+    names, mean = [*CENTRE, "laser.baseline", *FINDER], [*point, sight.nominal_baseline, 0.0, 0.0, 0.0]
+    u = [U_CENTRE * width] * 2 + [sight.u_baseline or U_BASELINE * sight.nominal_baseline] + [U_FINDER] * 3
     if model.printed_errors and sight.u_ring:
         rings = list(model.names[-sight.printed.radii.size :])
         names, mean, u = names + rings, mean + [0.0] * len(rings), u + [sight.u_ring] * len(rings)

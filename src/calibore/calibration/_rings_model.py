@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
 PLANE = ("laser.baseline", "laser.tilt_x", "laser.tilt_y")
+FINDER = ("finder.right", "finder.down", "finder.outwards")
 
 
 class Printed(NamedTuple):
@@ -31,8 +32,9 @@ class Printed(NamedTuple):
 class RingModel:
     """Predicts where the marks of several pictures of one target lie; a model for `fitting.least_squares`.
 
-    Parameters `names`: those of the `lens`, the pixels' aspect unless `square`, the principal point, and the
-    `RingTarget` of each picture; with `printed_errors` the error [m] of each ring's printed radius.
+    Parameters `names`: those of the `lens`, the pixels' aspect unless `square`, the principal point, the `RingTarget` of
+    each picture; `FINDER`: how far [px] all marks are found too far right, down, and those of rings outwards; with
+    `printed_errors` the error [m] of each ring's printed radius.
     """
 
     lens: LensModel
@@ -46,6 +48,7 @@ class RingModel:
     def __post_init__(self) -> None:
         names = [*self.lens.parameters, *(() if self.square else (ASPECT,)), *CENTRE]
         names += [name for number in range(len(self.marks)) for name in target_names(number)]
+        names += FINDER
         if self.printed_errors:
             names += [f"target.ring_{ring}" for ring in range(1, self.printed.radii.size + 1)]
         object.__setattr__(self, "names", tuple(names))
@@ -94,9 +97,12 @@ class RingModel:
         columns = [self.names.index(name) for name in target_names(number)]
         fitted = [i for i, name in enumerate(known) if name in self.names]
         cameras = [self.names.index(known[i]) for i in fitted]
+        finder = [self.names.index(name) for name in FINDER]
         for rows in _rings_and_spokes(marks):
             gap = self._gap(values, rig, target, marks, rows)
-            residuals[rows] = gap.value / gap.slope
+            shifts = np.column_stack([marks.direction[rows], np.sign(gap.slope) * (marks.ring[rows] > 0)])
+            residuals[rows] = gap.value / gap.slope - shifts @ values[finder]
+            jacobian[np.ix_(rows, finder)] = shifts
             jacobian[np.ix_(rows, columns)] = -gap.by_target / gap.slope[:, None]
             jacobian[np.ix_(rows, cameras)] = -gap.by_camera[:, fitted] / gap.slope[:, None]
             if self.printed_errors and marks.ring[rows[0]]:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, Strict
 
 from calibore.calibration._calibration import InputFile
-from calibore.calibration._pupil_target import input_file, unit_of
+from calibore.calibration._in_words import Unit
+from calibore.calibration._pupil_target import input_file
 from calibore.documents import Document, Length, read_document
 from calibore.errors import ImageError, InputError
 from calibore.images import ImageFolder, read_image
@@ -48,6 +49,7 @@ class RingTargetFile(Document):
     nominal_baseline: Positive
     ink_width: Positive | None = None
     u_ring: Annotated[Length, Field(ge=0)] | None = None
+    u_baseline: Positive | None = None
     lens: Annotated[str, AfterValidator(_known_law)] | None = None
     principal_point: tuple[Pixel, Pixel] | None = None
     square_pixels: Annotated[bool, Strict()] = False
@@ -56,7 +58,7 @@ class RingTargetFile(Document):
 @dataclass(frozen=True, eq=False)
 class RingPictures:
     """What target.toml says and its photographs show: `marks` of those that could be used, numbered in `used` among
-    all `files`; image `size` (width, height) [px]; the workshop's `unit` of length, "in" or "mm".
+    all `files`; image `size` (width, height) [px]; the `unit` of length of whoever wrote it.
     """
 
     toml: Path
@@ -65,7 +67,7 @@ class RingPictures:
     used: tuple[int, ...]
     files: tuple[InputFile, ...]
     size: tuple[int, int]
-    unit: str
+    unit: Unit
 
     @property
     def radii(self) -> Array:
@@ -73,10 +75,11 @@ class RingPictures:
         return self.target.ring_spacing * np.arange(1, self.target.rings + 1)
 
 
-def read_ring_pictures(path: Path, *, progress: Progress | None = None) -> RingPictures:
+def read_ring_pictures(path: Path | str, *, progress: Progress | None = None) -> RingPictures:
     """Marks of every photograph on which the target is found; the others are listed with the reason. Raises InputError
     where target.toml is wrong, none is left, or their sizes differ.
     """
+    path = Path(path)
     toml = path / "target.toml" if path.is_dir() else path
     target = read_document(toml, RingTargetFile)
     if target.ink_width is not None and target.ink_width >= target.ring_spacing:
@@ -97,7 +100,7 @@ def read_ring_pictures(path: Path, *, progress: Progress | None = None) -> RingP
         raise InputError(f"{toml}: no photograph shows the target. {files[0].name}: {files[0].refused}")
     _check_sizes(toml, sizes)
     used, marks = zip(*found, strict=True)
-    unit = unit_of((tomllib.loads(toml.read_text(encoding="utf-8"))["ring_spacing"],))
+    unit = Unit.of_length(tomllib.loads(toml.read_text(encoding="utf-8"))["ring_spacing"])
     return RingPictures(toml, target, marks, used, tuple(files), next(iter(sizes)), unit)
 
 

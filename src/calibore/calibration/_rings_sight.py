@@ -12,12 +12,13 @@ from calibore.targets import RingMarks
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
-GAP = 1.6
-"""Marks farther apart than this many times what is usual on their line are not neighbours."""
-STRETCHES = 24
-"""Into how many stretches a line is divided where models are compared."""
+STRETCHES, FEWEST_MARKS = 24, 6
+"""Into how many stretches a line is divided, of at least so many marks each. Neighbouring marks err alike: pixels and
+lines meet in patterns that drift along the line. What stretches differ by holds all of that, without a model of it."""
 AGREEING = 4.0
 """Robust standard deviations from the others of its stretch within which a mark counts."""
+EXACT = 1e-9
+"""px; less is rounding."""
 TO_DEVIATION = 1.4826
 """Median of |x| to standard deviation of normal x."""
 
@@ -25,7 +26,8 @@ TO_DEVIATION = 1.4826
 @dataclass(frozen=True, eq=False)
 class Sight:
     """What is `printed`, the `marks` of each picture, the image `size` (width, height) [px], the `nominal_baseline` [m]
-    of the first picture; `u_ring` [m] of printed radii, None where the marks shall tell; what is known of the camera.
+    of the first picture; `u_ring` [m] of printed radii, None where the marks shall tell; `u_baseline` [m], None where it is only nominal; what is known of
+    the camera; `enlarged` (n,): by what factor the sigma of each mark has been enlarged.
     """
 
     printed: Printed
@@ -34,7 +36,9 @@ class Sight:
     nominal_baseline: float
     u_ring: float | None = None
     principal_point: tuple[float, float] | None = None
+    u_baseline: float | None = None
     square: bool = False
+    enlarged: Array | None = None
 
     @cached_property
     def picture(self) -> Whole:
@@ -57,20 +61,25 @@ class Sight:
         return np.concatenate([marks.sigma for marks in self.marks])
 
     @cached_property
-    def places(self) -> Array:
-        """(n, 2) [px]."""
-        return np.concatenate([np.stack([marks.u, marks.v], axis=1) for marks in self.marks])
+    def azimuth(self) -> Array:
+        """(n,) [rad] about the centre of the spokes."""
+        return np.concatenate([np.arctan2(m.v - m.centre[1], m.u - m.centre[0]) for m in self.marks])
 
     @cached_property
-    def chains(self) -> Whole:
-        """(n,) marks that follow one another along a line without a gap."""
-        step = np.hypot(*np.diff(self.places, axis=0).T)
-        apart = np.diff(self.sight_of_line) != 0
-        for line in np.unique(self.sight_of_line):
-            along = ~apart & (self.sight_of_line[1:] == line)
-            if along.any():
-                apart |= along & (step > GAP * np.median(step[along]))
-        return np.concatenate([[0], np.cumsum(apart)]).astype(np.intp)
+    def along(self) -> Array:
+        """(n,) what grows along a line: azimuth [rad] of marks on rings, distance [px] from the centre on spokes."""
+        far = np.concatenate([np.hypot(m.u - m.centre[0], m.v - m.centre[1]) for m in self.marks])
+        return np.where(self.on_ring, self.azimuth, far)
+
+    @cached_property
+    def on_ring(self) -> NDArray[np.bool_]:
+        """(n,)"""
+        return self.line <= self.printed.radii.size
+
+    def thinned(self, most: int) -> "Sight":
+        """Of the marks only every so-manieth, so that at most so many are left."""
+        rows = np.arange(0, self.line.size, max(1, -(-self.line.size // most)))
+        return self.of(rows, np.zeros(rows.size))
 
     def of(self, rows: Whole, shift: Array) -> "Sight":
         """The marks `rows` (m,) only, moved by `shift` (m,) [px] along their directions."""
@@ -86,22 +95,37 @@ def condensed(sight: Sight, residuals: Array) -> Sight:
     """One mark for each stretch of a line: its middle one, with the mean residual of the stretch instead of its own.
 
     `residuals` (n,) [px] of any fit that leaves out nothing but what is even along a stretch. Marks that disagree with
-    the others of their stretch do not count, so no outlier is left.
+    the others of their stretch do not count.
     """
     rows, shifts, sigmas = [], [], []
     for line in np.unique(sight.sight_of_line):
         mine = np.flatnonzero((sight.sight_of_line == line) & np.isfinite(residuals))
-        for stretch in np.array_split(mine, STRETCHES):
-            if stretch.size < 2:
-                continue
+        mine = mine[np.argsort(sight.along[mine], kind="stable")]
+        for stretch in np.array_split(mine, np.clip(mine.size // FEWEST_MARKS, 1, STRETCHES)):
             aside = np.abs(residuals[stretch] - np.median(residuals[stretch]))
-            kept = stretch[aside <= AGREEING * TO_DEVIATION * max(float(np.median(aside)), 1e-9)]
-            middle = kept[kept.size // 2]
-            rows.append(middle)
-            shifts.append(residuals[kept].mean() - residuals[middle])
-            sigmas.append(1 / np.sqrt(np.sum(sight.sigma[kept] ** -2.0)))
-    result = sight.of(np.array(rows), np.array(shifts))
-    return _with_sigma(result, np.array(sigmas))
+            kept = stretch[aside <= AGREEING * TO_DEVIATION * np.median(aside) + EXACT]
+            if kept.size:
+                middle = kept[kept.size // 2]
+                rows.append(middle)
+                shifts.append(residuals[kept].mean() - residuals[middle])
+                sigmas.append(np.sum(sight.sigma[kept] ** -2.0) ** -0.5)
+    return _with_sigma(sight.of(np.array(rows), np.array(shifts)), np.array(sigmas))
+
+
+def evened(sight: Sight, residuals: Array) -> Sight:
+    """The same marks with sigmas that fit the `residuals` (n,) [px] about the mean of each line, for rings and for
+    spokes of each picture: how marks scatter depends on blur, light, and how lines run across the pixels.
+    """
+    relative = residuals / sight.sigma
+    for line in np.unique(sight.sight_of_line):
+        mine = sight.sight_of_line == line
+        relative[mine] -= np.nanmedian(relative[mine])
+    factor = np.ones(residuals.size)
+    kind = 2 * sight.picture + ~sight.on_ring
+    for one in np.unique(kind):
+        factor[kind == one] = max(TO_DEVIATION * float(np.nanmedian(np.abs(relative[kind == one]))), EXACT)
+    factor /= factor[0]
+    return replace(_with_sigma(sight, sight.sigma * factor), enlarged=factor)
 
 
 def _moved(marks: RingMarks, rows: Whole, shift: Array) -> RingMarks:

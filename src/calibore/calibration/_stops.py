@@ -19,8 +19,8 @@ LEAST_SHARED = 1e-9
 
 
 class Suspect(NamedTuple):
-    """A stop whose reference is `off` [m] by what the others say, which is `t` times what that scatters by; how likely a
-    good stop is to be as far off by `chance`.
+    """A stop whose reference is `off` [m] by what the others say, `t` times what that scatters by; a good stop is as
+    far off by `chance` only.
     """
 
     stop: str

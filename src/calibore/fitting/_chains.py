@@ -116,19 +116,39 @@ class LagMoments:
     position: Whole
     order: int
 
-    def whitened(self, autoregression: Autoregression) -> tuple[Array, float]:
-        """(W table)' (W table) of shape (m, m), and log |covariance| of the noise with unit innovation."""
+    def whitened(self, autoregression: Autoregression) -> Array:
+        """(W table)' (W table) of shape (m, m)."""
         if self.order == 0:
-            return self._pairs[0], 0.0
+            return self._pairs[0]
         weights = autoregression.filters[-1]
         gram = np.tensordot(weights[self._first] * weights[self._second], self._pairs, axes=1)
-        place = self.position[self._starting]
-        early = np.zeros((place.size, self.table.shape[1]))
-        for lag in range(self.order):
-            there = place >= lag
-            filters = autoregression.filters[place[there], lag]
-            early[there] += filters[:, None] * self.table[self._starting[there] - lag]
-        return gram + early.T @ early, float(np.log(autoregression.variances[place]).sum())
+        early = np.einsum("kn,knm->nm", autoregression.filters[self._place, :-1].T, self._early)
+        return gram + early.T @ early
+
+    def log_covariance(self, autoregression: Autoregression) -> float:
+        """Logarithm of |covariance| of the noise with unit innovation."""
+        return float(self._early_places @ np.log(autoregression.variances))
+
+    @property
+    def size(self) -> int:
+        return self.position.size
+
+    @cached_property
+    def _early_places(self) -> Array:
+        return np.bincount(self._place, minlength=self.order + 1).astype(float)
+
+    def contracted(self, by_gram: Array) -> Array:
+        """Tensor S (q + 1, q + 1, q + 1) with sum(by_gram * gram) = sum over t, j, k of S[t, j, k] f[t, j] f[t, k] for
+        the filters f of any autoregression.
+        """
+        result = np.zeros((self.order + 1,) * 3)
+        result[-1, self._first, self._second] = np.tensordot(self._pairs, by_gram, axes=2)
+        turned = self._early @ by_gram
+        for j in range(self.order):
+            products = np.einsum("nm,knm->kn", turned[j], self._early)
+            for k in range(self.order):
+                result[:-1, j, k] = np.bincount(self._place, products[k], minlength=self.order)
+        return result
 
     @cached_property
     def _first(self) -> Whole:
@@ -141,6 +161,19 @@ class LagMoments:
     @cached_property
     def _starting(self) -> Whole:
         return np.flatnonzero(self.position < self.order)
+
+    @cached_property
+    def _place(self) -> Whole:
+        return self.position[self._starting]
+
+    @cached_property
+    def _early(self) -> Array:
+        """Rows (q, s, m) of the table 0, 1, 2, ... places before the first of each chain, 0 where there are none."""
+        result = np.zeros((self.order, self._starting.size, self.table.shape[1]))
+        for lag in range(self.order):
+            there = self._place >= lag
+            result[lag, there] = self.table[self._starting[there] - lag]
+        return result
 
     @cached_property
     def _pairs(self) -> Array:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.fitting._likelihood import CHAIN_STEP, Unknowns, deviance_and_slopes
+from calibore.fitting._likelihood import CHAIN_STEP, Unknowns, deviance_and_slopes, variance_information
 from calibore.fitting._mixed import Solution
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ def confidence(solution: Solution, unknowns: Unknowns) -> Confidence:
     p, c = solution.model.parameters, solution.covariance
     covariance, modes = c, []
     if free:
-        weights = np.linalg.inv(_variance_information(solution)[np.ix_(free, free)])
+        weights = np.linalg.inv(variance_information(solution)[np.ix_(free, free)])
         slopes, curvature = _variance_slopes(solution)
         slopes, curvature = slopes[free], curvature[np.ix_(free, free)]
         excess = curvature - np.einsum("iab,bc,jcd->ijad", slopes, c, slopes)
@@ -40,22 +40,8 @@ def confidence(solution: Solution, unknowns: Unknowns) -> Confidence:
 
 
 def _modes(weights: Array, slopes: Array) -> Array:
-    """Independent standard deviations of the covariance, from its `slopes` (k, p, p) by what has covariance `weights`."""
+    """Independent deviations of the covariance, of its `slopes` (k, p, p) by what has the covariance `weights`."""
     return np.tensordot(np.linalg.cholesky(weights).T, slopes, axes=1)
-
-
-def _variance_information(solution: Solution) -> Array:
-    """Expected information (2, 2) about the variances of noise and groups: half of tr(P dV P dV)."""
-    noise, group = solution.scatter.innovation, solution.scatter.group
-    spread, prior, c = solution.left_of_groups, solution.prior_information, solution.covariance
-    z, x = solution.groups, solution.parameters
-    seen = solution.weighed[z, x] @ c
-    both = spread - seen @ prior @ seen.T - group * spread @ spread
-    of_group, of_both = float(np.sum(spread**2)), float(np.trace(both))
-    share = c @ prior
-    whole = solution.model.rows - solution.model.parameters + float(np.sum(share * share.T))
-    of_noise = whole - 2 * group * of_both - group**2 * of_group
-    return np.array([[of_noise / noise**2, of_both / noise], [of_both / noise, of_group]]) / 2
 
 
 def _variance_slopes(solution: Solution) -> tuple[Array, Array]:

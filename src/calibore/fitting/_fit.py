@@ -2,13 +2,29 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.fitting._mixed import MixedModel, Scatter
+from calibore.fitting._likelihood import Unknowns
+from calibore.fitting._mixed import MixedModel
 
 Array = NDArray[np.float64]
+
+
+class Ties(NamedTuple):
+    """What ties the residuals of a fit together: `group` (n,), `load` (n,) of the group's error on each, `chain` (n,),
+    -1 of none; `prior` (k, p + 1) rows of unit variance, L (parameters - values) = the last column; what was known of
+    the scatter. With them the fit can be made again.
+    """
+
+    group: NDArray[np.intp]
+    load: Array
+    chain: NDArray[np.intp]
+    prior: Array
+    known_noise: bool
+    known_group_sigma: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +39,8 @@ class Fit:
     deviation of what the residuals of one group share; `partial_autocorrelation` (q,) of neighbours, empty where none.
 
     `covariance_modes` (k, p, p): how the covariance itself may be wrong, one standard deviation each, independent;
-    none where the scatter is known. `information_root` (p, p): R of the whitened Jacobian's QR, prior included.
+    none where the scatter is known. `information_root` (p, p): R of the whitened Jacobian's QR, prior included. `ties`:
+    what else the fit was given.
     """
 
     names: tuple[str, ...]
@@ -39,7 +56,8 @@ class Fit:
     partial_autocorrelation: Array = field(default_factory=lambda: np.zeros(0))
     covariance_modes: Array | None = None
     information_root: Array | None = None
-    mixed: tuple[MixedModel, Scatter] | None = field(default=None, repr=False)
+    ties: Ties | None = None
+    evidence: tuple[MixedModel, Unknowns, float] | None = field(default=None, repr=False)
 
     @property
     def u(self) -> Array:

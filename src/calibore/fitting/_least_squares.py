@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from calibore.errors import InputError
 from calibore.fitting._chains import WHITE, Autoregression, LagMoments, order_of
 from calibore.fitting._confidence import confidence
-from calibore.fitting._fit import Fit, satterthwaite
+from calibore.fitting._fit import Fit, Ties, satterthwaite
 from calibore.fitting._likelihood import Unknowns, most_likely, unknowns_of
 from calibore.fitting._minimise import minimise
 from calibore.fitting._mixed import MixedModel, Scatter, Solution
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 ROUNDS = 20
 SELECTIONS = 6  # rounds after which the choice of outliers rests
 SETTLED = 0.01  # standard uncertainties: a change of parameters that no longer matters
-EXACT = 1e-12  # of the largest first residual: noise that is only rounding
+EXACT = 1e-15  # of the largest first residual: noise that is only rounding
 FAINTEST = 1e-18  # smallest noise, in the unit of the data
 
 
@@ -133,7 +133,7 @@ def _estimated(
     noise = known.noise or max(float(np.sqrt(residuals @ residuals / max(spare, 1))), faintest)
     basis = spectrum(triangle(np.concatenate([jacobian / noise, problem.known]))).basis
     if scatter is None:
-        scatter = _guessed(residuals, rows, known, noise, chained=bool((problem.chain >= 0).any()))
+        scatter = _guessed(residuals, rows, known, spare=spare, chained=bool((problem.chain >= 0).any()))
     table = np.column_stack([jacobian @ basis, rows.loads.toarray(), residuals])
     model = MixedModel(
         LagMoments(table, rows.position, scatter.chain.order),
@@ -146,15 +146,15 @@ def _estimated(
     return Estimate(rows, model.at(most_likely(model, unknowns)), unknowns, basis)
 
 
-def _guessed(residuals: Array, rows: Rows, known: Known, noise: float, *, chained: bool) -> Scatter:
-    """Where the search for the scatter begins: half of it in groups; neighbours as they look without the groups' means."""
+def _guessed(residuals: Array, rows: Rows, known: Known, *, spare: int, chained: bool) -> Scatter:
+    """Where the search for the scatter begins: groups' means, and what remains without them."""
     strength = rows.loads.power(2).sum(axis=0)
     means = (rows.loads.T @ residuals) / np.where(strength > 0, strength, 1.0)
-    chain = Autoregression(order_of(residuals - rows.loads @ means, rows.position)) if chained else WHITE
-    group = float(np.mean(means**2)) / 2 if means.size else 0.0
-    return Scatter(
-        noise**2 / chain.variances[0], group if known.group_sigma is None else known.group_sigma**2, chain
-    )
+    within = residuals - rows.loads @ means
+    chain = Autoregression(order_of(within, rows.position)) if chained else WHITE
+    noise = within @ within / max(spare - np.count_nonzero(strength), 1) if known.noise is None else known.noise**2
+    group = float(np.mean(means**2)) if means.size else 0.0
+    return Scatter(noise / chain.variances[0], group if known.group_sigma is None else known.group_sigma**2, chain)
 
 
 def _fit(problem: Problem, values: Array, used: Mask, estimate: Estimate) -> Fit:
@@ -180,7 +180,14 @@ def _fit(problem: Problem, values: Array, used: Mask, estimate: Estimate) -> Fit
         partial_autocorrelation=scatter.chain.partial,
         covariance_modes=modes,
         information_root=root,
+        ties=_ties(problem, values, estimate.unknowns),
     )
+
+
+def _ties(problem: Problem, values: Array, unknowns: Unknowns) -> Ties:
+    prior = np.column_stack([problem.known, problem.aims - problem.known @ values])
+    group_sigma = float(np.sqrt(unknowns.start.group)) if unknowns.group_known else None
+    return Ties(problem.group, problem.load, problem.chain, prior, unknowns.noise_known, group_sigma)
 
 
 def _check_count(problem: Problem, usable: Mask, *, spare: bool) -> None:

@@ -12,8 +12,9 @@ Array = NDArray[np.float64]
 
 LARGEST_PARTIAL = 6.0  # of artanh(partial autocorrelation): 0.999988
 CHAIN_STEP = 1e-4  # of artanh(partial autocorrelation), for derivatives by central differences
-WIDEST = 30.0  # of the logarithms of variances, relative to where the search starts
-TOLERANCE = 1e-10  # of the deviance, relative
+WIDEST = 20.0  # of the logarithms of variances, relative to where the search starts
+TOLERANCE = 1e-12  # of the deviance, relative
+STEEPNESS = 1e-3  # of the deviance, per standard deviation of what is searched for
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +71,40 @@ def most_likely(model: MixedModel, unknowns: Unknowns, *, restricted: bool = Tru
     if unknowns.only_noise and restricted and not model.known.size:
         squares = model.at(unknowns.start).squares * unknowns.start.innovation
         return Scatter(squares / (model.rows - model.parameters), 0.0, unknowns.start.chain)
-    found = minimize(
-        lambda vector: deviance_and_slopes(model, unknowns, vector, restricted=restricted),
-        vector,
-        jac=True,
-        method="L-BFGS-B",
-        bounds=unknowns.bounds,
-        options={"ftol": TOLERANCE, "gtol": 1e-5, "maxiter": 200},
-    )
-    return unknowns.scatter(found.x)
+    scale = _doubts(model, unknowns)
+    bounds = np.array(unknowns.bounds) / scale[:, None]
+
+    def function(scaled: Array) -> tuple[float, Array]:
+        deviance, slopes = deviance_and_slopes(model, unknowns, scaled * scale, restricted=restricted)
+        return deviance, slopes * scale
+
+    options = {"ftol": TOLERANCE, "gtol": STEEPNESS, "maxiter": 200}
+    found = minimize(function, vector / scale, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    return unknowns.scatter(found.x * scale)
+
+
+def _doubts(model: MixedModel, unknowns: Unknowns) -> Array:
+    """Standard deviations of the vector searched for, about: the steps of a search that does not run wild."""
+    start = unknowns.start
+    variances = variance_information(model.at(start))
+    noise = [] if unknowns.noise_known else [variances[0, 0] * start.innovation**2]
+    group = [] if unknowns.group_known else [variances[1, 1] * (start.group + unknowns.unit) ** 2]
+    chain = model.rows * (1 - start.chain.partial**2)
+    return 1 / np.sqrt(np.maximum(np.concatenate([noise, group, chain]), 1.0))
+
+
+def variance_information(solution: Solution) -> Array:
+    """Expected information (2, 2) about the variances of noise and groups: half of tr(P dV P dV)."""
+    noise, group = solution.scatter.innovation, solution.scatter.group
+    spread, prior, c = solution.left_of_groups, solution.prior_information, solution.covariance
+    z, x = solution.groups, solution.parameters
+    seen = solution.weighed[z, x] @ c
+    both = spread - seen @ prior @ seen.T - group * spread @ spread
+    of_group, of_both = float(np.sum(spread**2)), float(np.trace(both))
+    share = c @ prior
+    whole = solution.model.rows - solution.model.parameters + float(np.sum(share * share.T))
+    of_noise = whole - 2 * group * of_both - group**2 * of_group
+    return np.array([[of_noise / noise**2, of_both / noise], [of_both / noise, of_group]]) / 2
 
 
 def deviance_and_slopes(
@@ -90,16 +116,19 @@ def deviance_and_slopes(
     if not unknowns.group_known:
         slopes.append(by_group * (solution.scatter.group + unknowns.unit))
     if unknowns.start.chain.order:
-        by_gram = solution.slopes_by_gram(restricted=restricted)
-        chains = range(len(slopes), vector.size)
-        slopes += [_chain_slope(model, unknowns, vector, number, by_gram=by_gram) for number in chains]
+        slopes += _chain_slopes(solution, unknowns, vector, restricted=restricted)
     return solution.deviance(restricted=restricted), np.array(slopes)
 
 
-def _chain_slope(model: MixedModel, unknowns: Unknowns, vector: Array, number: int, *, by_gram: Array) -> float:
-    step = np.zeros(vector.size)
-    step[number] = CHAIN_STEP
-    (above, log_above), (below, log_below) = (
-        model.whitened(unknowns.scatter(vector + sign * step)) for sign in (1, -1)
-    )
-    return (float(np.sum(by_gram * (above - below))) + log_above - log_below) / (2 * CHAIN_STEP)
+def _chain_slopes(solution: Solution, unknowns: Unknowns, vector: Array, *, restricted: bool) -> list[float]:
+    by_gram, moments = solution.slopes_by_gram(restricted=restricted), solution.model.moments
+    products = moments.contracted(by_gram)
+
+    def part(vector: Array) -> float:
+        scatter = unknowns.scatter(vector)
+        filters = scatter.chain.filters
+        squares = float(np.sum(filters[:, None, :] @ products @ filters[:, :, None])) / scatter.innovation
+        return squares + moments.size * float(np.log(scatter.innovation)) + moments.log_covariance(scatter.chain)
+
+    steps = CHAIN_STEP * np.eye(vector.size)[vector.size - unknowns.start.chain.order :]
+    return [(part(vector + step) - part(vector - step)) / (2 * CHAIN_STEP) for step in steps]

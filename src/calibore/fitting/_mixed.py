@@ -2,19 +2,20 @@
 
     r = X d + Z b + e,  b ~ N(0, group_variance 1),  e ~ N(0, innovation_variance R),  t = L d + N(0, 1)
 
-X (n, p) Jacobian in a well-conditioned basis, Z (n, g) loads of the groups, R autoregressive along chains, (L, t) what is
-known of the parameters before. P = V^-1 - V^-1 X C X' V^-1 below (Searle, Casella and McCulloch 1992, chapter 6).
+X (n, p) Jacobian in a well-conditioned basis, Z (n, g) loads of the groups, R autoregressive along chains, (L, t) what
+is known of the parameters before. P = V^-1 - V^-1 X C X' V^-1 below (Searle, Casella and McCulloch 1992, chapter 6).
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibore.fitting._chains import Autoregression, LagMoments
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,15 +42,12 @@ class MixedModel:
 
     @property
     def rows(self) -> int:
-        return self.moments.position.size
+        return self.moments.size
 
     def at(self, scatter: Scatter) -> "Solution":
-        return Solution(self, scatter, *self.whitened(scatter))
-
-    def whitened(self, scatter: Scatter) -> tuple[Array, float]:
-        """Gram matrix (m, m) of the table and log |covariance| of the noise, the groups' errors apart."""
-        gram, log_chains = self.moments.whitened(scatter.chain)
-        return gram / scatter.innovation, self.rows * float(np.log(scatter.innovation)) + log_chains
+        gram = self.moments.whitened(scatter.chain) / scatter.innovation
+        log_noise = self.rows * float(np.log(scatter.innovation)) + self.moments.log_covariance(scatter.chain)
+        return Solution(self, scatter, gram, log_noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +118,7 @@ class Solution:
 
     @cached_property
     def squares(self) -> float:
-        """r' P r of data and prior."""
+        """Weighed sum r' P r of squares, of data and prior."""
         right = self.weighed[self.parameters, -1] + self._prior[:-1, -1]
         return float(self.weighed[-1, -1] + self._prior[-1, -1] - right @ self.step)
 
@@ -146,7 +144,11 @@ class Solution:
         left = turned[:, -1] - turned[:, self.parameters] @ self.step
         result = np.outer(left, left)
         result[self.groups, self.groups] += self.scatter.group * self._core
-        return result + turned[:, self.parameters] @ self.covariance @ turned[:, self.parameters].T if restricted else result
+        return (
+            result + turned[:, self.parameters] @ self.covariance @ turned[:, self.parameters].T
+            if restricted
+            else result
+        )
 
     @cached_property
     def free_parameters(self) -> float:

@@ -25,6 +25,7 @@ def resistant(problem: Problem, start: Array, usable: Mask) -> tuple[Array, Mask
     """Parameters that outliers do not pull, and which residuals agree with them."""
     rows, values = problem.rows(usable), start
     deviation, weights = first_deviation(problem, rows, values), np.ones(rows.index.size)
+    residuals = weights
     for number in range(STEPS):
         values = minimise(_weighted(problem, rows, weights / deviation**2), values, step=STEP)
         residuals = problem.linearised(values, rows)[0]

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,8 @@ Prior = tuple[Sequence[str], ArrayLike, ArrayLike]
 """Names, mean (k,) and covariance (k, k) of parameters known beforehand."""
 
 
-class Rows(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Rows:
     """Residuals that are used, chain by chain: `index` (m,) in the model's order, `sigma` (m,), `position` (m,) in the
     chain, `loads` (m, g) sparse: what a unit of each group's error does to the residual of sigma 1.
     """
@@ -112,7 +113,9 @@ def posed(
         aims=aims,
     )
     if not (problem.sigma > 0).all():
-        raise InputError(f"sigma of residuals must be positive, got {problem.sigma.min():.6g}; leave it out if unknown.")
+        raise InputError(
+            f"sigma of residuals must be positive, got {problem.sigma.min():.6g}; leave it out if unknown."
+        )
     return problem, np.isfinite(residuals) & np.isfinite(jacobian).all(axis=1)
 
 
@@ -124,13 +127,15 @@ def _prior_rows(names: Sequence[str], prior: Prior | None) -> tuple[Array, Array
     if missing := [name for name in subset if name not in names]:
         raise InputError(f"What is known beforehand names {missing[0]}, which is not fitted; leave it out.")
     if mean.shape != (len(subset),) or matrix.shape != (mean.size, mean.size):
-        raise InputError(f"What is known of {len(subset)} parameters needs a mean and a square covariance of that size.")
+        raise InputError(
+            f"What is known of {len(subset)} parameters needs a mean and a square covariance of that size."
+        )
     scale = np.sqrt(np.diag(matrix))
     try:
         root = np.linalg.inv(np.linalg.cholesky(matrix / np.outer(scale, scale))) / scale
     except np.linalg.LinAlgError:
         raise InputError(
-            "The covariance of what is known beforehand is not positive definite; state an uncertainty for each parameter."
+            "The covariance of what is known beforehand is not positive definite; state an uncertainty for each of them."
         ) from None
     rows = np.zeros((mean.size, len(names)))
     rows[:, [list(names).index(name) for name in subset]] = root

@@ -33,7 +33,7 @@ class Spectrum(NamedTuple):
     def confounded(self) -> NDArray[np.bool_]:
         """Elements (p, p) of the covariance that are without bound: of pairs in a direction that changes nothing."""
         free = np.abs(self.axes[self.rank :]) > TAKES_PART
-        return (free[:, :, None] & free[:, None, :]).any(axis=0)
+        return np.asarray((free[:, :, None] & free[:, None, :]).any(axis=0))
 
 
 def triangle(jacobian: Array) -> Array:

@@ -11,6 +11,7 @@ from calibore.fitting._fit import Fit
 Array = NDArray[np.float64]
 
 PROBABILITY = 0.95
+FEWEST = 1.0  # degrees of freedom; the moments that Kenward and Roger match do not exist near it
 
 
 class Region(NamedTuple):
@@ -41,6 +42,8 @@ def region(fit: Fit, *, names: Sequence[str] | None = None, probability: float =
     if not second > 0:
         return Region(float(chdtri(p, 1 - probability)), np.inf)
     scale, m = _scaled_f(p, first, second)
+    if not (m > FEWEST and scale > 0):
+        scale, m = 1.0, max(2 * p / second, FEWEST)
     return Region(float(p / scale * fdtri(p, m, probability)), m)
 
 
@@ -62,7 +65,9 @@ def _doubt(fit: Fit, chosen: NDArray[np.intp]) -> tuple[float, float]:
     square = np.ix_(chosen, chosen)
     scale = np.sqrt(np.diag(fit.covariance)[chosen])
     over = np.outer(scale, scale)
-    relative = np.linalg.solve(fit.covariance[square] / over, np.array([m[square] / over for m in fit.covariance_modes]))
+    relative = np.linalg.solve(
+        fit.covariance[square] / over, np.array([m[square] / over for m in fit.covariance_modes])
+    )
     traces = np.trace(relative, axis1=1, axis2=2)
     return float(traces @ traces), float(np.einsum("kij,kji->", relative, relative))
 

@@ -86,6 +86,7 @@ class CalibrationTable(Document):
     parameters: tuple[str, ...] = ()
     covariance: tuple[tuple[Number, ...], ...] = ()
     degrees_of_freedom: Positive | None = None
+    parameter_degrees_of_freedom: tuple[Annotated[float, Field(gt=0, allow_inf_nan=True)], ...] | None = None
     evidence: str | None = None
     valid: ValidTable | None = None
     kind: str | None = None
@@ -99,7 +100,6 @@ class CalibrationTable(Document):
     model: Any = None
     file: Any = None
     settings: Any = None
-    fit: Any = None
 
 
 Shape = Literal["normal", "rectangular", "triangular", "arcsine"]

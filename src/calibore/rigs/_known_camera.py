@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from calibore.errors import InputError
 from calibore.optics import Camera
 from calibore.rigs._reading import holds_rig, read_part, read_rig
 from calibore.rigs._rig import Rig
@@ -29,6 +30,10 @@ def read_camera(path: Path | str) -> KnownCamera:
     """
     camera, known = read_part(Path(path))
     names = [name for name in known.covariance.names if name.startswith("camera.")] if known.covariance else []
+    unknown = set(names) - set(camera.parameter_names)
+    if unknown:
+        allowed = ", ".join(camera.parameter_names)
+        raise InputError(f"{path}: this camera has no parameter {', '.join(sorted(unknown))}; allowed: {allowed}.")
     covariance = known.covariance.restricted(names) if known.covariance and names else None
     return KnownCamera(camera, covariance, known.degrees_of_freedom, known.valid)
 

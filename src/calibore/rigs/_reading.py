@@ -142,6 +142,7 @@ def _covariance(calibration: CalibrationTable) -> Covariance:
             f"Every row of calibration.covariance needs {len(calibration.parameters)} numbers, one per parameter."
         )
     try:
-        return Covariance(calibration.parameters, np.array(calibration.covariance))
+        freedom = calibration.parameter_degrees_of_freedom
+        return Covariance(calibration.parameters, np.array(calibration.covariance), degrees_of_freedom=freedom)
     except InputError as error:
         raise InputError(f"calibration.covariance: {error}") from error

@@ -113,7 +113,7 @@ def _band(
     du, dv = np.tile(offsets, FINENESS), np.repeat(offsets, FINENESS)
     samples = _sampled(camera, pose, u.ravel()[near][:, None] + du, v.ravel()[near][:, None] + dv)
     slopes = (np.repeat(part[near], FINENESS**2, axis=0) for part in centres[2:])
-    fine[near] = _reflectance(printed, _Places(*samples, *slopes)).reshape(near.size, -1)
+    fine[near] = _reflectance(printed, _Places(*samples, *slopes)).reshape(near.size, FINENESS**2)
     fine *= light.at(camera, u, v).astype(np.float32).reshape(-1, 1)
     grid = fine.reshape(*u.shape, FINENESS, FINENESS).transpose(0, 2, 1, 3)
     blurred = _blurred(grid.reshape(FINENESS * u.shape[0], -1), psf_sigma)

@@ -48,7 +48,7 @@ def _derivatives(grid: Array) -> tuple[Array, Array]:
 def _filled(bend: Array) -> Array:
     """Gaps continue the next two of their row evenly, or take the value of the next one; 0 where a row has none."""
     filled = bend.copy()
-    for even in (False,):
+    for even in (True, False):
         for step in (1, -1):
             first, second = _shifted(bend, step), _shifted(bend, 2 * step)
             filled = np.where(np.isfinite(filled), filled, 2 * first - second if even else first)

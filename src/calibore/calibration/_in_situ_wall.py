@@ -1,0 +1,177 @@
+"""The wall of a pipe as somebody else has measured it: a grid of radii, and the `Reference` that light falls on."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.calibration._references import Gap, Reference
+from calibore.errors import InputError
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+STEEPEST = 0.15
+"""Slope of the wall beyond which it is no reference: a ball touches beside its tip, and a shift reads as radius."""
+WIDEST = 2.5
+"""Steps of the clock's grid: where its points are further apart, nothing is known between them."""
+BEYOND = 0.1
+"""Steps along the pipe beyond its end rings at which the wall is still taken for theirs."""
+LONELY = 6.0
+"""A radius so many robust standard deviations off its neighbours' median is a stuck probe or dirt."""
+POSE = ("roll", "x", "y", "axial", "slope_x", "slope_y")
+"""How the reference's frame lies in that of the scan: [rad], [m], [m], [m], and the slopes of its axis."""
+
+
+class Height(NamedTuple):
+    """`radius` (n,) [m] of the wall, its slopes by axial position [m/m] and by clock [m/rad]."""
+
+    radius: Array
+    by_axial: Array
+    by_clock: Array
+
+
+@dataclass(frozen=True, eq=False)
+class WallGrid:
+    """`radius` (m, n) [m] at `axial` (m,) [m], rising, and `clock` (n,) [rad], rising within one turn; NaN where it was
+    not measured. `u` [m]: standard uncertainty that all radii share; None where it is not stated.
+    """
+
+    axial: Array
+    clock: Array
+    radius: Array
+    u: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.radius.shape != (self.axial.size, self.clock.size) or self.clock.size < 8:
+            raise InputError(
+                f"A reference profile is a grid of at least one ring with 8 clock positions, got {self.radius.shape}."
+            )
+        if not np.isfinite(self.radius).any():
+            raise InputError("The reference profile holds no radius at all.")
+
+    @cached_property
+    def filled(self) -> Array:
+        """The radii, gaps filled around the clock, so that a search can pass over them; they are never `usable`."""
+        rows = [_around(self.clock, row) for row in self.radius]
+        known = [i for i, row in enumerate(rows) if row is not None]
+        return np.array([rows[min(known, key=lambda k, i=i: abs(k - i))] for i in range(len(rows))])
+
+    @cached_property
+    def sound(self) -> Mask:
+        """(m, n): measured, no loner among its neighbours, not steep, nor beside such."""
+        known, wall = np.isfinite(self.radius), self.filled
+        off = np.abs(wall - np.median([wall, *_neighbours(wall)], axis=0))
+        lonely = off > LONELY * 1.4826 * max(float(np.median(off[known])), 1e-6)
+        steep = np.zeros_like(known)
+        if self.axial.size > 1:
+            steep |= np.abs(np.gradient(wall, self.axial, axis=0)) > STEEPEST
+        turn = np.concatenate([[self.clock[-1] - 2 * np.pi], self.clock, [self.clock[0] + 2 * np.pi]])
+        around = np.gradient(np.concatenate([wall[:, -1:], wall, wall[:, :1]], axis=1), turn, axis=1)[:, 1:-1]
+        steep |= np.abs(around) > STEEPEST * wall
+        bad = ~known | lonely | steep
+        return ~(bad | np.any(_neighbours(bad), axis=0))
+
+    def height(self, axial: Array, clock: Array) -> Height:
+        """Between the grid's points linear; beyond its ends as at them."""
+        i, along, span = self._row(axial)
+        j, around, turn = self._column(clock)
+        wall, following = self.filled, (j + 1) % self.clock.size
+        last = np.minimum(i + 1, self.axial.size - 1)
+        near = wall[i, j] * (1 - around) + wall[i, following] * around
+        far = wall[last, j] * (1 - around) + wall[last, following] * around
+        left = wall[i, j] * (1 - along) + wall[last, j] * along
+        right = wall[i, following] * (1 - along) + wall[last, following] * along
+        rising = np.where(self._within(axial), (far - near) / span, 0.0)
+        return Height(near * (1 - along) + far * along, rising, (right - left) / turn)
+
+    def usable(self, axial: Array, clock: Array) -> Mask:
+        """Whether the wall (n,) around there is `sound`, and within the rings measured."""
+        i, _, _ = self._row(axial)
+        j, _, turn = self._column(clock)
+        last, following = np.minimum(i + 1, self.axial.size - 1), (j + 1) % self.clock.size
+        sound = self.sound[i, j] & self.sound[i, following] & self.sound[last, j] & self.sound[last, following]
+        close = turn <= WIDEST * float(np.median(np.diff(self.clock)))
+        return sound & close & ((self.axial.size == 1) | self._within(axial))
+
+    def _within(self, axial: Array) -> Mask:
+        slack = BEYOND * np.ptp(self.axial) / max(self.axial.size - 1, 1)
+        return (axial >= self.axial[0] - slack) & (axial <= self.axial[-1] + slack)
+
+    def _row(self, axial: Array) -> tuple[NDArray[np.intp], Array, Array]:
+        if self.axial.size == 1:
+            return np.zeros(axial.shape, dtype=np.intp), np.zeros(axial.shape), np.ones(axial.shape)
+        i = np.clip(np.searchsorted(self.axial, axial, side="right") - 1, 0, self.axial.size - 2)
+        span = self.axial[i + 1] - self.axial[i]
+        return i, np.clip((axial - self.axial[i]) / span, 0.0, 1.0), span
+
+    def _column(self, clock: Array) -> tuple[NDArray[np.intp], Array, Array]:
+        clock = (clock - self.clock[0]) % (2 * np.pi)
+        starts = self.clock - self.clock[0]
+        j = np.clip(np.searchsorted(starts, clock, side="right") - 1, 0, starts.size - 1)
+        turn = np.diff(np.append(starts, 2 * np.pi))[j]
+        return j, (clock - starts[j]) / turn, turn
+
+
+@dataclass(frozen=True, eq=False)
+class WallReference(Reference):
+    """`wall` seen from a rig that stands at `axial` [m] and is turned by `roll` [rad] in the frame of its scan; `pose`
+    (6,): how the reference's frame lies in that, as far as it is known beforehand; `u_pose` (6,): how well.
+    """
+
+    wall: WallGrid
+    axial: float
+    roll: float
+    pose: Array
+    u_pose: Array
+    u: float | None = None
+
+    @property
+    def nuisance_names(self) -> tuple[str, ...]:
+        return POSE
+
+    @property
+    def nuisance_u(self) -> Array:
+        return self.u_pose
+
+    def place(self, points: Array, pose: Array) -> tuple[Array, Array, Array]:
+        """x, y, z (n,) [m] in the reference's frame of `points` (n, 3) of the rig's."""
+        roll, x, y, axial, slope_x, slope_y = pose
+        c, s = np.cos(self.roll + roll), np.sin(self.roll + roll)
+        z = points[:, 2] + self.axial + axial
+        along = z - self.wall.axial.mean()
+        return (
+            c * points[:, 0] - s * points[:, 1] + x + slope_x * along,
+            s * points[:, 0] + c * points[:, 1] + y + slope_y * along,
+            z,
+        )
+
+    def gap(self, points: Array, nuisance: Array) -> Gap:
+        """R - R_ref(z, clock)."""
+        pose = self.pose + nuisance
+        x, y, z = self.place(points, pose)
+        wall, along = self.wall.height(z, np.arctan2(x, -y)), z - self.wall.axial.mean()
+        radius = np.hypot(x, y)
+        by_x = x / radius + wall.by_clock * y / radius**2
+        by_y = y / radius - wall.by_clock * x / radius**2
+        by_z = by_x * pose[4] + by_y * pose[5] - wall.by_axial
+        c, s = np.cos(self.roll + pose[0]), np.sin(self.roll + pose[0])
+        by_point = np.stack([c * by_x + s * by_y, c * by_y - s * by_x, by_z], axis=1)
+        by_roll = by_x * -(s * points[:, 0] + c * points[:, 1]) + by_y * (c * points[:, 0] - s * points[:, 1])
+        by_pose = np.stack([by_roll, by_x, by_y, by_z, by_x * along, by_y * along], axis=1)
+        return Gap(radius - wall.radius, by_point, by_pose)
+
+
+def _around(clock: Array, row: Array) -> Array | None:
+    """The row with its gaps filled linearly around the clock; None where it is empty."""
+    known = np.isfinite(row)
+    return np.interp(clock, clock[known], row[known], period=2 * np.pi) if known.any() else None
+
+
+def _neighbours(grid: Array | Mask) -> list[Array | Mask]:
+    """The grid (m, n) seen from its eight neighbours: around the clock without end, along the pipe with ends."""
+    rows = np.pad(grid, ((1, 1), (0, 0)), mode="edge")
+    places = ((down, turn) for down in (0, 1, 2) for turn in (-1, 0, 1) if (down, turn) != (1, 0))
+    return [np.roll(rows[down : down + len(grid)], turn, axis=1) for down, turn in places]
