@@ -94,7 +94,7 @@ def gauge_look(
     points = feet + ahead[:, None] * axis
     u_px, v_px = rig.project(points)
     return _noisy(
-        u_px, v_px, RingGauge(diameter, at=height, u=u, u_tilt=u_tilt), rng, name, noise, neighbour, laser, setting, stop
+        rig, u_px, v_px, RingGauge(diameter, at=height, u=u, u_tilt=u_tilt), rng, name, noise, neighbour, laser, setting, stop
     )
 
 
@@ -127,7 +127,7 @@ def flat_ahead_look(
         low, high = np.where(same, half, low), np.where(same, high, half)
     u_px, v_px = rig.project(middle + low[:, None] * ways)
     return _noisy(
-        u_px, v_px, FlatTarget(stand_off, AHEAD, u, (u_tilt, u_tilt)), rng, name, noise, neighbour, 0, None, None
+        rig, u_px, v_px, FlatTarget(stand_off, AHEAD, u, (u_tilt, u_tilt)), rng, name, noise, neighbour, 0, None, None
     )
 
 
@@ -140,12 +140,12 @@ def _height(rig: Rig, radius: float, laser: int) -> float:
     return float(np.mean(feet[:, 2] + np.nanmin(distance, axis=0)))
 
 
-def _noisy(u, v, reference, rng, name, noise, neighbour, laser, setting, stop) -> Look:
+def _noisy(rig, u, v, reference, rng, name, noise, neighbour, laser, setting, stop) -> Look:
     middle = np.array([np.nanmean(u), np.nanmean(v)])
     direction = np.stack([u, v], axis=1) - middle
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     shift = noise * correlated(rng, u.size, neighbour=neighbour)
-    seen = np.isfinite(u)
+    seen = (u > 2) & (u < rig.camera.width - 3) & (v > 2) & (v < rig.camera.height - 3)
     place = np.stack([u, v], axis=1) + shift[:, None] * direction
     sigma = np.full(u.size, noise)
     return Look(

@@ -120,9 +120,9 @@ def rig_calibration(seed=1):
     from calibore.calibration._planning_targets import PlannedRings
 
     lens = board_calibration(seed)
-    rough = Covariance.independent(
-        {"laser.baseline": 5e-3, "laser.tilt_x": 0.02, "laser.tilt_y": 0.02}
-    ).joined(lens.covariance)
+    rough = Covariance.independent({"laser.baseline": 5e-3, "laser.tilt_x": 0.02, "laser.tilt_y": 0.02}).joined(
+        lens.covariance
+    )
     rig = plane_rig(lens.camera).knowing(rough)
     found = plan(
         rig, PlannedRings(INCH, 12), nominal_radius=RADIUS, candidates=(Shot(in_light=True),), count=1

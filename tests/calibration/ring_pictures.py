@@ -4,8 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from calibore.calibration._lens_models import CENTRE, LensModel
+from calibore.calibration._rings_model import Printed
+from calibore.calibration._rings_sight import Sight
 from calibore.calibration._rings_target import RingTarget
-from calibore.optics import Camera
+from calibore.optics import LENS_LAWS, Camera
 from calibore.targets import RingMarks
 
 CLEAR = 3.0
@@ -79,3 +82,53 @@ def _series(n, noise, rng):
     for i in range(1, n):
         fresh[i] = noise.neighbours * fresh[i - 1] + np.sqrt(1 - noise.neighbours**2) * fresh[i]
     return fresh
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A random calibration at the level of marks, and its truth by dotted path."""
+
+    sight: Sight
+    lens: LensModel
+    truth: dict[str, float]
+    radii: np.ndarray
+
+
+FINDER_ERROR = 0.001
+"""px: what all marks err alike; the calibration states it."""
+LAWS = ("stereographic", "equidistant", "sine-law", "equisolid-angle")
+
+
+def random_case(rng: np.random.Generator, *, per_ring: int = 240, line: float | None = None) -> Case:
+    """A camera before a target of 6 ... 12 rings that fills its image out to a zenith of 35 ... 70 deg, within 3 deg of
+    square, its radii printed with errors of known size in every second case; noise of marks is correlated.
+    """
+    law = str(rng.choice(LAWS))
+    rings, spacing = int(rng.integers(6, 13)), float(rng.choice([0.0254, 0.02]))
+    radii = spacing * np.arange(1, rings + 1)
+    widest = np.radians(rng.uniform(35, 70))
+    baseline = float(radii[-1] / np.tan(widest))
+    k = float(rng.uniform(0.85, 0.95) * 384 / LENS_LAWS[law].ratio(widest))
+    values = {"camera.k": k, "camera.aspect": float(rng.uniform(0.98, 1.02))}
+    values |= {CENTRE[0]: float(511.5 + rng.normal(0, 10)), CENTRE[1]: float(383.5 + rng.normal(0, 10))}
+    camera = LensModel(law).camera(values, width=1024, height=768)
+    tilt, aside = rng.normal(0, 0.02, 2), rng.normal(0, 0.02, 2) * radii[-1]
+    target = RingTarget(baseline, *tilt.tolist(), *aside.tolist(), float(rng.uniform(-np.pi, np.pi)))
+    u_ring = float(rng.choice([0.0, 2e-5]))
+    ink = 0.05 * spacing
+    printed = radii + rng.normal(0, u_ring, rings)
+    noise = Noise(float(rng.uniform(0.02, 0.1)), float(rng.uniform(0, 0.5)), rng.uniform(0, 0.02) if line is None else line)
+    marks = noisy(exact_marks(camera, target, printed, per_ring=per_ring, ink_width=ink), noise, rng)
+    marks = shifted(marks, rng.normal(0, FINDER_ERROR, 3))
+    nominal = baseline * float(rng.uniform(0.8, 1.1))
+    sight = Sight(Printed(radii, 8, ink), (marks,), (1024, 768), nominal, u_ring=u_ring)
+    values |= {"laser.baseline": baseline, "laser.tilt_x": target.tilt_x, "laser.tilt_y": target.tilt_y}
+    return Case(sight, LensModel(law), values, radii)
+
+
+def shifted(marks: RingMarks, shift) -> RingMarks:
+    """All marks (right, down) [px] from where they were, those on rings outwards."""
+    outwards = np.stack([marks.u - marks.centre[0], marks.v - marks.centre[1]], 1)
+    sign = np.sign(np.sum(outwards * marks.direction, axis=1)) * (marks.ring > 0)
+    along = marks.direction @ shift[:2] + shift[2] * sign
+    return replace(marks, u=marks.u + along * marks.direction[:, 0], v=marks.v + along * marks.direction[:, 1])

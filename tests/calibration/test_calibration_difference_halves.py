@@ -35,8 +35,9 @@ def test_halves_agree_with_two_fits_of_the_pictures():
 
 def test_a_lens_that_no_model_describes_shows():
     """Waves of 0.7 px in the lens: both halves fit, and each predicts the other wrongly."""
-    good, bent = halves(board_calibration(4, boards=10, noise=0.02)), halves(
-        board_calibration(4, boards=10, noise=0.02, bent=0.7)
+    good, bent = (
+        halves(board_calibration(4, boards=10, noise=0.02)),
+        halves(board_calibration(4, boards=10, noise=0.02, bent=0.7)),
     )
     assert good.agree
     assert bent.rms > 4 * good.rms

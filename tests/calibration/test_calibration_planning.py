@@ -215,6 +215,10 @@ def test_targets_are_read_from_their_files(tmp_path):
     for kind, rest, expected in (
         ("concentric-rings", 'ring_spacing = "1 in"\nrings = 12\nspokes = 8\n', PlannedRings(INCH, 12)),
         ("chessboard", 'corners = [9, 7]\nsquare = "20 mm"\n', BOARD),
+        ("charuco", 'squares = [10, 8]\nsquare = "20 mm"\nmarker = "15 mm"\n', BOARD),
+        ("asymmetric-circle-grid", 'corners = [4, 11]\nsquare = "20 mm"\n', PlannedBoard(4, 11, 0.02, staggered=True)),
+        ("ring-gauge", '[[look]]\ngauge = "300 mm"\nu = "0.02 mm"\n', PlannedGauges((0.3,))),
+        ("ring-gauge", '[[look]]\nflat = "300 mm"\nu = "0.02 mm"\n', PlannedFlats((0.3,), u=2e-5)),
     ):
         (tmp_path / "target.toml").write_text(f'{head}kind = "{kind}"\n{rest}', encoding="utf-8")
         assert read_planned_target(tmp_path) == expected

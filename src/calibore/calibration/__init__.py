@@ -5,7 +5,7 @@
 `write_calibration`, `read_calibration`   its FILE, a rig file or the part of one, and its evidence beside it
 `check_calibration_file`   whether a FILE may be written, before any work
 `recomputed_covariance`, `verify_inputs`   whether FILE, evidence and inputs still agree
-`projection_uncertainty`, `wall_uncertainty`   what a covariance means in pixels over the image, in metres on the wall
+`projection_uncertainty`, `wall_uncertainty`, `wall_map`   what a covariance means in the image, and on the wall
 `difference`    -> `Difference`: is this the same camera as last year; `halves`: half of the pictures against the rest
 `plan`          -> `Plan`: which picture of a target to take next; `read_planned_target`
 """
@@ -17,7 +17,7 @@ from calibore.calibration._evidence_covariance import recomputed_covariance
 from calibore.calibration._file import check_calibration_file, read_calibration, verify_inputs, write_calibration
 from calibore.calibration._file_units import unit_of_parameter
 from calibore.calibration._halves import Halves, halves
-from calibore.calibration._on_the_wall import WallUncertainty, wall_uncertainty
+from calibore.calibration._on_the_wall import WallMap, WallUncertainty, wall_map, wall_uncertainty
 from calibore.calibration._planning import Plan, Step, plan
 from calibore.calibration._planning_shots import Shot
 from calibore.calibration._planning_targets import (
@@ -46,6 +46,7 @@ __all__ = [
     "ProjectionUncertainty",
     "Shot",
     "Step",
+    "WallMap",
     "WallUncertainty",
     "calibrate",
     "check_calibration_file",
@@ -58,6 +59,7 @@ __all__ = [
     "recomputed_covariance",
     "unit_of_parameter",
     "verify_inputs",
+    "wall_map",
     "wall_uncertainty",
     "write_calibration",
 ]

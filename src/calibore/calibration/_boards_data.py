@@ -90,18 +90,21 @@ class BoardData:
 
     def points(self, poses: Array, bends: Array | None = None) -> tuple[Array, Array]:
         """Points (n, 3) of the camera frame for `poses` (m, 6), and their offsets from the middle of the board."""
-        place = self.place if bends is None else self.place + np.outer(self.shapes @ bends, [0.0, 0.0, 1.0])
-        offset = np.einsum("nij,nj->ni", rotations(poses[:, :3])[self.owner], place)
+        offset = self._turned(rotations(poses[:, :3]), bends)
         return offset + poses[self.owner, 3:], offset
+
+    def _turned(self, rotation: Array, bends: Array | None) -> Array:
+        place = self.place if bends is None else self.place + np.outer(self.shapes @ bends, [0.0, 0.0, 1.0])
+        return (rotation[self.owner] @ place[:, :, None])[:, :, 0]
 
     def predicted(self, camera: Camera, poses: Array, bends: Array) -> Prediction:
         """Where `camera` images the marks of boards at `poses` (m, 6): rotation vector [rad], place [m]."""
-        points, offset = self.points(poses, bends)
-        image = camera.project_with_sensitivities(points)
-        turned = -_skew(offset) @ _left_jacobians(poses[:, :3])[self.owner]
-        by_pose = np.concatenate([image.by_point @ turned, image.by_point], axis=2)
-        by_rise = image.by_point @ rotations(poses[:, :3])[self.owner, :, 2:]
-        by_bend = by_rise * self.shapes[:, None, :]
+        rotation, owner = rotations(poses[:, :3]), self.owner
+        offset = self._turned(rotation, bends)
+        image = camera.project_with_sensitivities(offset + poses[owner, 3:])
+        turned = image.by_point @ -_skew(offset) @ _left_jacobians(poses[:, :3])[owner]
+        by_bend = image.by_point @ rotation[owner, :, 2:] * self.shapes[:, None, :]
+        by_pose = np.concatenate([turned, image.by_point], axis=2)
         return Prediction(np.stack([image.u, image.v], axis=1), image.by_parameters, by_pose, by_bend)
 
 
@@ -137,6 +140,8 @@ def _series(vectors: Array) -> tuple[Array, Array, Array, Array]:
 
 def _skew(vectors: Array) -> Array:
     """(n, 3, 3) with `skew(a) @ b = a x b`."""
+    matrix = np.zeros((len(vectors), 3, 3))
     x, y, z = vectors.T
-    zero = np.zeros_like(x)
-    return np.stack([np.stack([zero, -z, y], -1), np.stack([z, zero, -x], -1), np.stack([-y, x, zero], -1)], axis=1)
+    matrix[:, 0, 1], matrix[:, 0, 2], matrix[:, 1, 2] = -z, y, -x
+    matrix[:, 1, 0], matrix[:, 2, 0], matrix[:, 2, 1] = z, -y, x
+    return matrix

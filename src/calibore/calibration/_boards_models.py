@@ -23,6 +23,7 @@ FOLDS = 6
 WORSE = 1.0  # standard errors of the difference in squared error of boards left out
 STRONG = 6.0  # difference in BIC beyond which a model has strong evidence against it (Kass and Raftery 1995)
 HALF, TWICE = 0.5, 2.0
+FOLLOWED = 4  # steps of a fit without some boards, from the fit to all
 NEAR = 1e-4  # of the sum of squares: a step that takes less changes no prediction that matters
 
 
@@ -110,10 +111,10 @@ def left_out_errors(data: BoardData, estimate: Estimate) -> Array:
     for fold in range(folds.max() + 1):
         inside, outside = folds != fold, folds == fold
         try:
-            taught = bundle(data.of_boards(inside), estimate.of_boards(inside, data), settled=NEAR)
+            taught = bundle(data.of_boards(inside), estimate.of_boards(inside, data), settled=NEAR, steps=FOLLOWED)
             judged = estimate.of_boards(outside, data).with_camera_of(taught)
             rest = data.of_boards(outside)
-            judged = bundle(rest, judged, free=(), settled=NEAR)
+            judged = bundle(rest, judged, free=(), settled=NEAR, steps=FOLLOWED)
         except InputError:
             continue
         errors[outside] = rest.sums(judged.square) / rest.sums(np.ones(rest.owner.size))
@@ -136,12 +137,14 @@ def why_not(trial: Trial, best: Trial, fitted: Sequence[Trial]) -> str:
     """Why `trial` is significantly worse than the `best` at predicting, "" where it is not."""
     if trial.estimate is None:
         return trial.why
-    loss = trial.left_out - best.left_out
-    error = float(np.std(loss, ddof=1) / np.sqrt(loss.size)) if loss.size > 1 else 0.0
-    if trial is not best and loss.mean() > WORSE * error:
-        return f"predicts boards left out worse, by {loss.mean() / error:.1f} standard errors"
+    if trial is best:
+        return ""
     evidence = trial.criteria[1] - min(other.criteria[1] for other in fitted)
-    return f"BIC is {evidence:.0f} above the best" if trial is not best and evidence > STRONG else ""
+    if evidence > STRONG:
+        return f"strong evidence against it: BIC {evidence:.0f} above the best"
+    loss = trial.left_out - best.left_out
+    error = float(np.std(loss, ddof=1) / np.sqrt(loss.size))
+    return f"predicts boards left out worse, by {loss.mean() / error:.1f} standard errors" if loss.mean() > WORSE * error else ""
 
 
 def comparison_table(trials: Sequence[Trial], chosen: Trial) -> tuple[Comparison, ...]:

@@ -1,6 +1,6 @@
 """Which parameters changed: each by itself, and as the only one that did."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from calibore.calibration._difference_sides import Side, alike
 from calibore.uncertainty import Covariance
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 SINGULAR = 1e-12
 """Of the largest eigenvalue of the correlations: below, directions have no variance."""
 
@@ -61,9 +61,7 @@ def changes(a: Side, b: Side) -> tuple[Change, ...]:
     shares = pull**2 / safe / chi_square if chi_square > 0 else np.zeros(len(names))
     found = (
         Change(name, a.values[name], b.values[name], *map(float, numbers))
-        for name, *numbers in zip(
-            names, np.sqrt(np.diag(matrix)), pull / safe, 1 / np.sqrt(safe), shares, strict=True
-        )
+        for name, *numbers in zip(names, np.sqrt(np.diag(matrix)), pull / safe, 1 / np.sqrt(safe), shares, strict=True)
     )
     return tuple(sorted(found, key=lambda one: -one.share))
 

@@ -1,6 +1,7 @@
 """Two cameras compared by where they see what: differences of directions in pixels, less a turn of the whole camera."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from calibore.errors import InputError
 from calibore.optics import Camera
 from calibore.rigs import ValidRegion
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 STEPS, SETTLED = 8, 1e-12
 ROWS = 16
 """Of the grid of pixels compared: differences of smooth lenses hide nothing between them."""
@@ -60,9 +61,7 @@ def compare_directions(a: Side, b: Side) -> tuple[DirectionDifference, Evidence]
     linear = _linear(a, b, slopes[0], turns[1], implied) if alike(a, b) else difference
     count = u.size
     parts = (x.reshape(2 * count, -1) for x in (first, second))
-    evidence = Evidence(
-        difference.ravel(), linear.ravel(), *parts, (a.degrees_of_freedom, b.degrees_of_freedom)
-    )
+    evidence = Evidence(difference.ravel(), linear.ravel(), *parts, (a.degrees_of_freedom, b.degrees_of_freedom))
     found = DirectionDifference(
         u,
         v,
@@ -82,9 +81,7 @@ def turn_between(first: Array, second: Array, weights: Array) -> Array:
     return left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
 
 
-def _turned(
-    a: Camera, b: Camera, pixels: tuple[Array, Array], turns: Array, implied: Implied
-) -> tuple[Array, Array]:
+def _turned(a: Camera, b: Camera, pixels: tuple[Array, Array], turns: Array, implied: Implied) -> tuple[Array, Array]:
     """The turn (3,) [rad], and the difference (n, 2) [px] after it: Gauss-Newton from the best turn of directions."""
     directions = a.unproject(*pixels).direction
     rotation = turn_between(directions, b.unproject(*pixels).direction, implied.weights)

@@ -1,11 +1,11 @@
 """Is a difference more than two covariances allow: chi-square over the directions in which they allow any."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 NEGLIGIBLE = 2e-3
 """Of the largest standard deviation: motions that are smaller everywhere cannot be told from rounding."""
 

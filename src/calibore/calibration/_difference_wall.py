@@ -1,6 +1,7 @@
 """Two rigs compared by what they make of the same pictures: radii on the wall, less what a ring's centre takes up."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from calibore.rigs import Rig, SideFacing, triangulate
 from calibore.status import Status
 from calibore.uncertainty import coverage_factor
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 REACH = (0.6, 1.4)
 """Nominal radii between which walls are compared, where the calibrations do not limit them."""
 RADII = 9
@@ -62,9 +63,7 @@ class _Seen:
     slopes: tuple[Array, Array]
 
 
-def compare_walls(
-    a: Side, b: Side, radii: Array, nominal_radius: float
-) -> tuple[WallDifference, Evidence]:
+def compare_walls(a: Side, b: Side, radii: Array, nominal_radius: float) -> tuple[WallDifference, Evidence]:
     """Of two rigs of the same configuration."""
     assert a.rig is not None
     assert b.rig is not None

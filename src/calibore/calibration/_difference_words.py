@@ -62,8 +62,8 @@ def _on_wall(found: "Difference", length: Unit) -> str:
         return f"{where} the two have no common view."
     band = wall.coverage * wall.u_mean[at] / metres
     return (
-        f"{where} radii come out {wall.mean[at] / metres:+.2g} {unit} different in the mean "
-        f"(95 % band of no change: {band:.2g} {unit}) and {wall.rms[at] / metres:.2g} {unit} rms."
+        f"{where} the mean radius differs by {wall.mean[at] / metres:+.2g} {unit} (95 % of unchanged rigs stay within "
+        f"{band:.2g} {unit}), single radii by {wall.rms[at] / metres:.2g} {unit} rms."
     )
 
 

@@ -1,13 +1,15 @@
 """Which kind of target calibrates what."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from pydantic import ConfigDict
 
-from calibore.calibration._calibration import Calibration
+from calibore.calibration._calibration import Calibration, InputFile
+from calibore.calibration._file import hash_of_file
 from calibore.documents import Document, read_document
 from calibore.errors import InputError
 
@@ -46,7 +48,10 @@ def calibrate(verb: str, path: Path | str, *, progress: Progress | None = None) 
     if VERBS[kind] != verb:
         raise InputError(f"{path} is of kind {kind}: use `calibore calibrate {VERBS[kind]}`.")
     function = getattr(import_module("calibore.calibration"), FUNCTIONS.get(kind, BOARDS))
-    return function(path, progress=progress)
+    found: Calibration = function(path, progress=progress)
+    if any(file.name == path.name for file in found.files):
+        return found
+    return replace(found, files=(*found.files, InputFile(path.name, hash_of_file(path))))
 
 
 def target_of(path: Path | str) -> tuple[Path, str]:

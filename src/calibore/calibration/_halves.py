@@ -4,7 +4,7 @@ Both halves are solved in first order at the solution of all, from residuals, we
 in the image shows errors that no covariance of one fit can, such as a lens law that does not suit (mrcal).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from calibore.calibration._projection import image_grid, implied_turns, projecti
 from calibore.errors import InputError
 from calibore.rigs import Rig
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 WELL_BELOW = 0.2
 """px rms: halves that agree as well are one camera (mrcal)."""
 FEWEST = 4
@@ -94,9 +94,7 @@ def halves(calibration: Calibration, *, nominal_radius: float | None = None) -> 
     inflation = _size(motions[3]) / _size(motions[2])
     count = 2 * pixels[0].size
     first, second, *_, found = (motion.reshape(count, -1) for motion in motions)
-    evidence = Evidence(
-        found[:, 0], found[:, 0], inflation * first, inflation * second, (side.degrees_of_freedom,) * 2
-    )
+    evidence = Evidence(found[:, 0], found[:, 0], inflation * first, inflation * second, (side.degrees_of_freedom,) * 2)
     wall = _on_wall(side.rig, names, change, [inflation * factor for factor in factors[:2]], nominal_radius)
     return Halves(
         *pixels,

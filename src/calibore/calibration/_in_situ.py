@@ -38,7 +38,7 @@ def calibrate_profile(path: Path | str, *, progress: Callable[[int, int], None] 
         covariance=result.covariance,
         degrees_of_freedom=result.fit.degrees_of_freedom,
         noise=result.fit.noise,
-        group_sigma=result.fit.group_sigma,
+        group_sigma=result.stop_scatter,
         files=(*target.files, *files),
         observations=observations_of(result),
         valid=ValidRegion(zeniths_of(result), (float(np.nanmin(radii)), float(np.nanmax(radii)))),

@@ -1,4 +1,4 @@
-"""Whether a calibration is still tenable: the parameters found in the pipe against those in use, covariances and all."""
+"""Whether a calibration is still tenable: the parameters found in the pipe against those in use."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ TENABLE = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """From `before` to `after` (q,) of the parameters `names`, standard uncertainties `u_before`, `u_after` and `u` of the
-    difference; `chi_square` of all together with `degrees_of_freedom` for its scatter, and probability `p` of at least
-    as much by chance.
+    """From `before` to `after` (q,) of the parameters `names`, standard uncertainties `u_before`, `u_after` and `u` of
+    the difference; `chi_square` of all together with `degrees_of_freedom` for its scatter, and probability `p` of at
+    least as much by chance.
     """
 
     names: tuple[str, ...]

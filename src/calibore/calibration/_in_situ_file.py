@@ -53,8 +53,8 @@ class ProfileFile(Document):
 
 @dataclass(frozen=True, eq=False)
 class ProfileTarget:
-    """What was `said` in `path`; the `rig` in use; the reference `wall`, one ring for a gauge; the `unit` for people; the
-    `files` looked at so far.
+    """What was `said` in `path`; the `rig` in use; the reference `wall`, one ring for a gauge; the `unit` for people;
+    the `files` looked at so far.
     """
 
     path: Path
@@ -147,8 +147,8 @@ def read_table(path: Path, *, u: float | None = None) -> WallGrid:
     radius[i, j] = rows[:, 2]
     if np.isfinite(radius).mean() < FEWEST_FILLED:
         raise InputError(
-            f"{path} is no grid: its {len(rows)} rows have {axial.size} axial and {clock.size} clock positions; measure "
-            "or interpolate every ring at the same clock positions."
+            f"{path} is no grid: its {len(rows)} rows have {axial.size} axial and {clock.size} clock positions; "
+            "measure or interpolate every ring at the same clock positions."
         )
     stated = float(np.median(rows[:, 3])) if rows.shape[1] == 4 else DEFAULT_U
     return WallGrid(axial, clock, radius, stated if u is None else u)

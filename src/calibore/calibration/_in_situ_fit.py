@@ -1,4 +1,4 @@
-"""The rig that fits the reference in the pipe: which parameters are looked for, which single change would explain it."""
+"""The rig that fits the reference in the pipe: which parameters are looked for, which change alone explains it."""
 
 from dataclasses import dataclass, replace
 
@@ -27,8 +27,8 @@ ANGLES = ("aim", "half_angle")
 
 @dataclass(frozen=True, eq=False)
 class InSitu:
-    """`found` from the reference alone and, where asked for, `combined` with the calibration in use; the `change` of the
-    parameters looked for; the models tried, the best first; parameters that the reference could not tell, `untold`.
+    """`found` from the reference alone and, where asked for, `combined` with the calibration in use; the `change` of
+    the parameters looked for; the models tried, the best first; parameters that the reference could not tell, `untold`.
     """
 
     found: RigFit
@@ -63,7 +63,9 @@ def fit_in_situ(
     combined = None
     if prior:
         every = (*wanted, *beside)
-        combined = fit_rig(rig, clean, free=every, prior=old.restricted([n for n in every if n in others]), robust=False)
+        combined = fit_rig(
+            rig, clean, free=every, prior=old.restricted([n for n in every if n in others]), robust=False
+        )
     return InSitu(found, combined, change, models, untold)
 
 
@@ -87,7 +89,8 @@ def _check(rig: Rig, free: tuple[str, ...] | None) -> None:
     unknown = set(free or ()) - set(rig.parameter_names)
     if unknown:
         raise InputError(
-            f"free names {', '.join(sorted(unknown))}, which this rig has not; allowed: {', '.join(rig.parameter_names)}."
+            f"free names {', '.join(sorted(unknown))}, which this rig has not; allowed: "
+            f"{', '.join(rig.parameter_names)}."
         )
     if free == ():
         raise InputError('free is empty; name parameters such as "laser.baseline", or leave it out.')
@@ -105,8 +108,8 @@ def _told(
             return tuple(left), wanted[len(left) :]
         if len(left) == 1:
             raise InputError(
-                f"The reference does not tell {left[0]}: the marks that can be compared with it are too few or too alike; "
-                "scan a stretch of pipe with more clock positions and stations."
+                f"The reference does not tell {left[0]}: the marks that can be compared with it are too few or too "
+                "alike; scan a stretch of pipe with more clock positions and stations."
             )
         left.pop()
 

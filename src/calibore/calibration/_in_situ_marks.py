@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 SIGMA = 0.5
 """px; relative only: the residuals tell how noisy marks are."""
-MOST_RINGS, MOST_MARKS = 60, 375
-"""Stations used, and marks on each: neighbours are alike."""
+MOST_RINGS, MOST_PICTURES, MOST_MARKS = 60, 160, 375
+"""Stations, pictures of a side-facing head, and marks of each ring that are used: neighbours are alike."""
 FEWEST_MARKS = 20
 ROWS = 8
 """Rows averaged before the line of a side-facing head is looked for, as on a flat target."""
@@ -29,9 +29,9 @@ ROWS = 8
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Marks at `u`, `v` (n,) [px] of one station's ring, or of one picture of a side-facing head, in order along the line;
-    measured along `direction` (n, 2) with relative standard deviation `sigma` (n,) [px]. The rig stands at `axial` [m],
-    turned by `roll` [rad]; `file`: index of what they come from.
+    """Marks at `u`, `v` (n,) [px] of one station's ring, or of one picture of a side-facing head, in order along the
+    line; measured along `direction` (n, 2) with relative standard deviation `sigma` (n,) [px]. The rig stands at
+    `axial` [m], turned by `roll` [rad]; `file`: index of what they come from.
     """
 
     name: str
@@ -56,8 +56,8 @@ def read_marks(
     if not marks:
         reasons = "; ".join(dict.fromkeys(file.refused for file in files if file.refused))
         raise InputError(
-            f"{target.path}: nothing of the scan can be compared with the reference{f' ({reasons})' if reasons else ''}; "
-            "check stations, channel and exposure."
+            f"{target.path}: nothing of the scan can be compared with the "
+            f"reference{f' ({reasons})' if reasons else ''}; check stations, channel and exposure."
         )
     return tuple(marks), tuple(files)
 
@@ -118,15 +118,20 @@ def _of_scan(target: ProfileTarget, progress: Progress | None) -> tuple[list[Mar
     scan = read_scan(target.folder / str(target.said.scan))
     if scan.kind != "side-facing" or not isinstance(target.rig.mount, SideFacing):
         raise InputError(
-            f"{target.path}: scan names pictures of a side-facing head and rig its rig file, got a {scan.kind} scan and a "
-            f"{target.rig.configuration} rig; profile other scans first and give profile, the result folder."
+            f"{target.path}: scan names pictures of a side-facing head and rig its rig file, got a {scan.kind} scan "
+            f"and a {target.rig.configuration} rig; profile other scans first and give profile, the result folder."
         )
     if not isinstance(scan.motion, AxialMotion) or scan.angular is None:
         raise InputError(f"{scan.folder}: its scan.toml needs motion.axial and motion.angular for this comparison.")
-    paths = ImageFolder(scan.folder, str(scan.pattern)).paths
+    paths = [
+        (*key, path)
+        for key, path in ImageFolder(scan.folder, str(scan.pattern)).paths.items()
+        if target.said.stations is None or key[0] in target.said.stations
+    ]
+    paths = paths[:: max(1, -(-len(paths) // MOST_PICTURES))]
     marks, files = [], []
-    for done, ((station, stop, take), path) in enumerate(paths.items(), start=1):
-        found = None if target.said.stations and station not in target.said.stations else _line(path, target)
+    for done, (station, stop, take, path) in enumerate(paths, start=1):
+        found = _line(path, target)
         files.append(input_file(path, refused=found if isinstance(found, str) else ""))
         if isinstance(found, tuple):
             u, v, sigma = found

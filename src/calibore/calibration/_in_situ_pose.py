@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.calibration._in_situ_file import ProfileTarget
 from calibore.calibration._in_situ_marks import FEWEST_MARKS, Marks
-from calibore.calibration._in_situ_wall import WallReference
+from calibore.calibration._in_situ_wall import WallGrid, WallReference
 from calibore.calibration._looks import Look
 from calibore.errors import InputError
 from calibore.rigs import Rig, triangulate
@@ -20,8 +20,8 @@ ROLLS = 25
 TRIED = 2000
 """Points used to try them."""
 FAR = 8.0
-"""Robust standard deviations from the reference beyond which a mark is no comparison: a feature that one of both does not
-show, dirt, a reflection."""
+"""Robust standard deviations from the reference beyond which a mark is no comparison: a feature that one of both does
+not show, dirt, a reflection."""
 LEAST_SPREAD = 2e-5
 """m; the comparison is not taken for better than this when marks are chosen."""
 SETTING = "reference"
@@ -56,16 +56,17 @@ def aligned(target: ProfileTarget, rig: Rig, marks: tuple[Marks, ...]) -> Aligne
     )
     if not looks:
         raise InputError(
-            f"{target.path}: hardly a mark of the scan falls on a sound part of the reference ({np.count_nonzero(kept)} of "
-            f"{kept.size}); check that both were measured in the same stretch of pipe, and their axial origins."
+            f"{target.path}: hardly a mark of the scan falls on a sound part of the reference "
+            f"({np.count_nonzero(kept)} of {kept.size}); check that both were measured in the same stretch of pipe, "
+            "and their axial origins."
         )
     return Aligned(looks, int(sum(look.u.size for look in looks)), int(kept.size), off)
 
 
 def _look(marks: Marks, reference: WallReference, kept: NDArray[np.bool_]) -> Look:
-    parts = (getattr(marks, name)[kept] for name in ("u", "v", "direction", "sigma"))
+    u, v, direction, sigma = (getattr(marks, name)[kept] for name in ("u", "v", "direction", "sigma"))
     return Look(
-        *parts, reference, marks.name, laser=marks.laser, setting=SETTING, stop=SETTING, file=marks.file
+        u, v, direction, sigma, reference, marks.name, laser=marks.laser, setting=SETTING, stop=SETTING, file=marks.file
     )
 
 
@@ -82,13 +83,13 @@ def _pose(target: ProfileTarget, x: Array, y: Array, z: Array) -> Array:
             best, pose = cost, np.array([roll, found[1], found[2], 0.0, 0.0, 0.0])
     if not np.isfinite(best):
         raise InputError(
-            f"{target.path}: the scan does not reach the reference; its points lie at {z.min():.4g} ... {z.max():.4g} m, the "
-            f"reference at {wall.axial[0]:.4g} ... {wall.axial[-1]:.4g} m. Check motion.axial of both."
+            f"{target.path}: the scan does not reach the reference; its points lie at {z.min():.4g} ... {z.max():.4g} "
+            f"m, the reference at {wall.axial[0]:.4g} ... {wall.axial[-1]:.4g} m. Check motion.axial of both."
         )
     return pose
 
 
-def _shift(wall, x: Array, y: Array, z: Array, roll: float) -> tuple[Array, float]:
+def _shift(wall: WallGrid, x: Array, y: Array, z: Array, roll: float) -> tuple[Array, float]:
     """Scale, shift in x and in y (3,) that robustly fit the scan to the reference, and the spread left."""
     c, s = np.cos(roll), np.sin(roll)
     x, y = c * x - s * y, s * x + c * y
@@ -97,18 +98,18 @@ def _shift(wall, x: Array, y: Array, z: Array, roll: float) -> tuple[Array, floa
     if np.count_nonzero(usable) < FEWEST_MARKS:
         return np.zeros(3), np.inf
     clock, radius = clock[usable], radius[usable]
-    gap = radius - wall.height(z[usable], clock).radius
+    gap = radius - wall.radius_at(z[usable], clock)
     design = np.stack([radius, -np.sin(clock), np.cos(clock)], axis=1)
     kept, found, spread = np.ones(gap.size, dtype=bool), np.zeros(3), np.inf
     for _ in range(6):
-        found, *_ = np.linalg.lstsq(design[kept], gap[kept], rcond=None)
+        found = np.asarray(np.linalg.lstsq(design[kept], gap[kept], rcond=None)[0], dtype=float)
         left = np.abs(gap - design @ found)
         spread = 1.4826 * float(np.median(left))
         kept = left <= max(3 * spread, LEAST_SPREAD)
     return found, spread
 
 
-def _constant(wall) -> bool:
+def _constant(wall: WallGrid) -> bool:
     return float(np.ptp(wall.filled)) == 0.0
 
 
@@ -123,6 +124,6 @@ def _compared(target: ProfileTarget, x: Array, y: Array, z: Array, pose: Array) 
     usable = np.zeros(radius.size, dtype=bool)
     usable[known] = wall.usable(z[known], clock[known])
     gap = np.full(radius.size, np.inf)
-    gap[known] = radius[known] - wall.height(z[known], clock[known]).radius
+    gap[known] = radius[known] - wall.radius_at(z[known], clock[known])
     gap[known] -= np.stack([radius, -np.sin(clock), np.cos(clock)], axis=1)[known] @ found
     return spread, usable & (np.abs(gap) <= FAR * max(spread, LEAST_SPREAD))

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,8 @@ WIDEST = 2.5
 """Steps of the clock's grid: where its points are further apart, nothing is known between them."""
 BEYOND = 0.1
 """Steps along the pipe beyond its end rings at which the wall is still taken for theirs."""
+OVERLAP = 4
+"""Clock positions that the spline has twice, beyond both ends of the turn."""
 LONELY = 6.0
 """A radius so many robust standard deviations off its neighbours' median is a stuck probe or dirt."""
 POSE = ("roll", "x", "y", "axial", "slope_x", "slope_y")
@@ -74,23 +76,37 @@ class WallGrid:
         bad = ~known | lonely | steep
         return ~(bad | np.any(_neighbours(bad), axis=0))
 
+    @cached_property
+    def _surface(self) -> Any:
+        """Cubic splines through the grid: slopes without jumps, so that a search settles."""
+        from scipy.interpolate import RectBivariateSpline
+
+        turn, wall = 2 * np.pi, self.filled
+        clock = np.concatenate([self.clock[-OVERLAP:] - turn, self.clock, self.clock[:OVERLAP] + turn])
+        wall = np.concatenate([wall[:, -OVERLAP:], wall, wall[:, :OVERLAP]], axis=1)
+        axial = self.axial
+        if axial.size == 1:
+            axial, wall = axial[0] + np.array([-1.0, 1.0]), np.repeat(wall, 2, axis=0)
+        return RectBivariateSpline(axial, clock, wall, kx=min(3, axial.size - 1), ky=3)
+
     def height(self, axial: Array, clock: Array) -> Height:
-        """Between the grid's points linear; beyond its ends as at them."""
-        i, along, span = self._row(axial)
-        j, around, turn = self._column(clock)
-        wall, following = self.filled, (j + 1) % self.clock.size
-        last = np.minimum(i + 1, self.axial.size - 1)
-        near = wall[i, j] * (1 - around) + wall[i, following] * around
-        far = wall[last, j] * (1 - around) + wall[last, following] * around
-        left = wall[i, j] * (1 - along) + wall[last, j] * along
-        right = wall[i, following] * (1 - along) + wall[last, following] * along
-        rising = np.where(self._within(axial), (far - near) / span, 0.0)
-        return Height(near * (1 - along) + far * along, rising, (right - left) / turn)
+        """Between the grid's points smooth; beyond its ends as at them."""
+        inside, clock = self._inside(axial, clock)
+        surface = self._surface
+        rising = np.where(inside == axial, surface.ev(inside, clock, dx=1), 0.0) if self.axial.size > 1 else 0.0 * axial
+        return Height(surface.ev(inside, clock), rising, surface.ev(inside, clock, dy=1))
+
+    def radius_at(self, axial: Array, clock: Array) -> Array:
+        """The same without slopes."""
+        return self._surface.ev(*self._inside(axial, clock))
+
+    def _inside(self, axial: Array, clock: Array) -> tuple[Array, Array]:
+        turned = self.clock[0] + (clock - self.clock[0]) % (2 * np.pi)
+        return np.clip(axial, self.axial[0], self.axial[-1]), turned
 
     def usable(self, axial: Array, clock: Array) -> Mask:
         """Whether the wall (n,) around there is `sound`, and within the rings measured."""
-        i, _, _ = self._row(axial)
-        j, _, turn = self._column(clock)
+        i, (j, turn) = self._row(axial), self._column(clock)
         last, following = np.minimum(i + 1, self.axial.size - 1), (j + 1) % self.clock.size
         sound = self.sound[i, j] & self.sound[i, following] & self.sound[last, j] & self.sound[last, following]
         close = turn <= WIDEST * float(np.median(np.diff(self.clock)))
@@ -100,19 +116,16 @@ class WallGrid:
         slack = BEYOND * np.ptp(self.axial) / max(self.axial.size - 1, 1)
         return (axial >= self.axial[0] - slack) & (axial <= self.axial[-1] + slack)
 
-    def _row(self, axial: Array) -> tuple[NDArray[np.intp], Array, Array]:
-        if self.axial.size == 1:
-            return np.zeros(axial.shape, dtype=np.intp), np.zeros(axial.shape), np.ones(axial.shape)
-        i = np.clip(np.searchsorted(self.axial, axial, side="right") - 1, 0, self.axial.size - 2)
-        span = self.axial[i + 1] - self.axial[i]
-        return i, np.clip((axial - self.axial[i]) / span, 0.0, 1.0), span
+    def _row(self, axial: Array) -> NDArray[np.intp]:
+        """The ring (n,) before each place."""
+        return np.clip(np.searchsorted(self.axial, axial, side="right") - 1, 0, max(self.axial.size - 2, 0))
 
-    def _column(self, clock: Array) -> tuple[NDArray[np.intp], Array, Array]:
-        clock = (clock - self.clock[0]) % (2 * np.pi)
+    def _column(self, clock: Array) -> tuple[NDArray[np.intp], Array]:
+        """The clock position (n,) before each place, and how far (n,) [rad] the next is from it."""
         starts = self.clock - self.clock[0]
-        j = np.clip(np.searchsorted(starts, clock, side="right") - 1, 0, starts.size - 1)
-        turn = np.diff(np.append(starts, 2 * np.pi))[j]
-        return j, (clock - starts[j]) / turn, turn
+        places = (clock - self.clock[0]) % (2 * np.pi)
+        j = np.clip(np.searchsorted(starts, places, side="right") - 1, 0, starts.size - 1)
+        return j, np.diff(np.append(starts, 2 * np.pi))[j]
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +183,7 @@ def _around(clock: Array, row: Array) -> Array | None:
     return np.interp(clock, clock[known], row[known], period=2 * np.pi) if known.any() else None
 
 
-def _neighbours(grid: Array | Mask) -> list[Array | Mask]:
+def _neighbours(grid: NDArray[Any]) -> list[NDArray[Any]]:
     """The grid (m, n) seen from its eight neighbours: around the clock without end, along the pipe with ends."""
     rows = np.pad(grid, ((1, 1), (0, 0)), mode="edge")
     places = ((down, turn) for down in (0, 1, 2) for turn in (-1, 0, 1) if (down, turn) != (1, 0))

@@ -31,8 +31,8 @@ def in_situ_findings(found: InSitu, alignment: Aligned, unit: Unit) -> Iterator[
     yield _pose(found, unit)
     share = 100 * alignment.compared / alignment.marks
     yield (
-        f"{alignment.compared} of {alignment.marks} marks ({share:.0f} %) fall on sound parts of the reference; radii scatter "
-        f"by {unit.said(alignment.off, alignment.off)} about it."
+        f"{alignment.compared} of {alignment.marks} marks ({share:.0f} %) fall on sound parts of the reference; radii "
+        f"scatter by {unit.said(alignment.off, alignment.off)} about it."
     )
 
 
@@ -43,9 +43,10 @@ def _table(change: Change, unit: Unit) -> Iterator[str]:
         one, word = unit_of(name, unit), word_of(name)
         per_cent = f" ({100 * (after - before) / before:+.2f} %)" if before else ""
         yield (
-            f"{word[:1].upper()}{word[1:]}: in use {one.said(before, u_after)} (u = {one.said(u_before, u_before)}), found "
-            f"{one.said(after, u_after)} (u = {one.said(u_after, u_after)}): moved by "
-            f"{one.said(after - before, u_after, sign=True)}{per_cent}, {abs(sigmas):.1f} standard uncertainties of both."
+            f"{word[:1].upper()}{word[1:]}: in use {one.said(before, u_after)} (u = {one.said(u_before, u_before)}), "
+            f"found {one.said(after, u_after)} (u = {one.said(u_after, u_after)}): moved by "
+            f"{one.said(after - before, u_after, sign=True)}{per_cent}, {abs(sigmas):.1f} standard uncertainties of "
+            "both."
         )
 
 
@@ -91,13 +92,16 @@ def in_situ_warnings(found: InSitu, target: ProfileTarget, files: Iterable[Input
         )
     if found.untold:
         yield (
-            f"The reference cannot tell {', '.join(map(word_of, found.untold))} beside the others, so it was held; a pipe with "
-            "more different radii could."
+            f"The reference cannot tell {', '.join(map(word_of, found.untold))} beside the others, so it was held; a "
+            "pipe with more different radii could."
         )
     fit = found.found.fit
     left_out = int((fit.weights == 0).sum())
     if left_out > (1 - FEW) * fit.weights.size:
-        yield f"{left_out} of {fit.weights.size} marks did not fit the reference and were left out; do both show the same stretch?"
+        yield (
+            f"{left_out} of {fit.weights.size} marks did not fit the reference and were left out; do both show the "
+            "same stretch of pipe?"
+        )
     refused = [file for file in files if file.refused]
     if refused:
         yield f"{len(refused)} pictures were not used; the first, {refused[0].name}: {refused[0].refused}."

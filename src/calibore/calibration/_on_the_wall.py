@@ -1,6 +1,7 @@
 """What a calibration's covariance means in metres on the wall: with all correlations, and, to compare, without."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +13,7 @@ from calibore.rigs import Rig, SideFacing, Triangulation, triangulate
 from calibore.status import Status
 from calibore.uncertainty import Covariance, propagate
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 CLOCKS = 72
 ALONG = 160
 """Pixels along the longer side of a map."""
@@ -77,8 +78,11 @@ def wall_slopes(rig: Rig, radii: Array, clock: Array) -> Array:
 def wall_map(rig: Rig, *, nominal_radius: float, laser: int = 0) -> WallMap:
     """Over the image: what a line found at a pixel tells of the radius, near the wall of `nominal_radius` [m]."""
     camera = rig.camera
-    step = max(1.0, max(camera.width, camera.height) / ALONG)
-    u, v = (np.arange(0.0, size, step) for size in (camera.width, camera.height))
+    longer = max(camera.width, camera.height)
+    u, v = (
+        np.linspace(0.0, size - 1.0, max(1, min(size, size * ALONG // longer)))
+        for size in (camera.width, camera.height)
+    )
     grid = np.meshgrid(u, v)
     found = triangulate(rig, grid[0].ravel(), grid[1].ravel(), laser=laser, prior_radius=nominal_radius)
     spread = propagate(found.radius_sensitivities.parameters, stated(rig), names=rig.parameter_names).u

@@ -6,7 +6,7 @@ present parameters, less what its unknown pose and the errors of the target take
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,11 @@ from calibore.errors import InputError
 from calibore.rigs import Rig
 from calibore.uncertainty import Covariance
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 REACH = (0.6, 1.4)
 RADII = 33
-BROAD = 1e6
-"""Noise units: pose directions in which a picture says less than one over that are as good as unknown to it."""
+UNKNOWN = 1e4
+"""rad, m: as good as no knowledge of a pose, and finite, so that what no mark feels takes nothing up."""
 
 
 class Step(NamedTuple):
@@ -146,14 +146,13 @@ class _State:
 def without_pose(rows: Array, beside: Array, beside_u: Array) -> Array:
     """(k, k): `rows` (n, k) of unit noise with `beside` (n, q) marginalised, of which `beside_u` (q,) is known before.
 
-    From the triangle of a QR factorisation of both; columns are scaled, so that lengths and angles weigh alike.
+    From the triangle of a QR factorisation of both and of what is known before.
     """
-    size = np.linalg.norm(beside, axis=0)
-    beside, beside_u = beside[:, size > 0] / size[size > 0], (beside_u * size)[size > 0]
+    prior = 1 / np.minimum(beside_u, UNKNOWN)
+    size = np.hypot(np.linalg.norm(beside, axis=0), prior)
     q, k = beside.shape[1], rows.shape[1]
-    prior = np.diag(1 / np.minimum(beside_u, BROAD))
-    triangle = np.linalg.qr(np.block([[beside, rows], [prior, np.zeros((q, k))]]), mode="r")
-    return triangle[q:, q:]
+    known = np.block([[beside / size, rows], [np.diag(prior / size), np.zeros((q, k))]])
+    return np.linalg.qr(known, mode="r")[q:, q:]
 
 
 def _u(wall: Array, factor: Array) -> float:

@@ -1,6 +1,7 @@
 """What a picture of the light on a gauge or a flat, not taken yet, would tell of a rig."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from calibore.optics import Camera
 from calibore.rigs import Rig, SideFacing, triangulate
 from calibore.status import Status
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 FEWEST_MARKS = 8
 EDGE = 5.0
 """px from the image's border within which no mark is found."""

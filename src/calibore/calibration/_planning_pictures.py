@@ -1,6 +1,6 @@
 """What a picture that is not taken yet would tell of a rig: its rows of a least-squares fit."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from calibore.lasers import Plane
 from calibore.optics import Camera
 from calibore.rigs import Rig
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 FEWEST_RINGS = 4
 PLACED = (1e-4, 2e-3)
 """m and slope: how well a target stands in the light, judged by eye."""
@@ -51,18 +51,15 @@ def _of_rings(rig: Rig, target: PlannedRings, shot: Shot) -> Picture | None:
     shared = (ring[kept][:, None] == whole) * radial[:, None] / target.noise
     beside_u = np.full(6, np.inf)
     if shot.in_light:
-        rows, beside_u = _with_light(rig, rows, beside), np.repeat([PLACED[1], np.inf], 3)
-        beside_u[5] = PLACED[0]
-        beside_u[2] = np.inf
+        rows, beside = _with_light(rig, rows, beside), beside @ _along_plane(rig)
+        beside_u = np.array([PLACED[1], PLACED[1], np.inf, np.inf, np.inf, PLACED[0]])
     keys = tuple(f"ring {number + 1}" for number in whole)
     shared_u = np.full(len(whole), target.u_ring)
     return Picture(rows / target.noise, beside / target.noise, beside_u, shared, shared_u, keys)
 
 
 def _of_board(rig: Rig, target: PlannedBoard, shot: Shot) -> Picture | None:
-    width, height = target.size
-    across, along = np.linspace(-0.5, 0.5, target.columns) * width, np.linspace(-0.5, 0.5, target.rows) * height
-    x, y = (a.ravel() for a in np.meshgrid(across, along))
+    x, y = target.marks
     flat = _placed(rig, shot, np.hypot(x, y), np.arctan2(y, x))
     seen = _in_image(rig.camera, flat.points)
     if not seen.all():
@@ -85,9 +82,7 @@ def _placed(rig: Rig, shot: Shot, radius: Array, angle: Array) -> _Flat:
         ray = np.array([0.0, 0.0, 1.0]) if centred else camera.unproject([u], [v]).direction[0]
         x, y = xy_of(shot.towards, np.sin(shot.tilt))
         origin, normal = (shot.distance or 0.0) * ray, np.array([-x, -y, np.cos(shot.tilt)])
-    normal = normal / np.linalg.norm(normal)
-    first = np.array([normal[2], 0.0, -normal[0]]) / np.hypot(normal[0], normal[2])
-    outwards = along @ np.stack([first, np.cross(normal, first), normal])
+    outwards = along @ np.stack(_axes(normal))
     return _Flat(origin + radius[:, None] * outwards, origin, outwards)
 
 
@@ -119,6 +114,21 @@ def _with_light(rig: Rig, rows: Array, beside: Array) -> Array:
     ):
         rows[:, rig.parameter_names.index(f"{rig.laser_table(0)}.{name}")] += beside @ np.array(motion)
     return rows
+
+
+def _along_plane(rig: Rig) -> Array:
+    """(6, 6): turns and shifts of a target in the light as columns along, along and across its plane."""
+    plane = rig.lasers[0].surface
+    assert isinstance(plane, Plane)
+    axes = np.column_stack(_axes(plane.normal))
+    return np.block([[axes, np.zeros((3, 3))], [np.zeros((3, 3)), axes]])
+
+
+def _axes(normal: Array) -> tuple[Array, Array, Array]:
+    """Unit vectors along a plane, the first without y, and its unit normal."""
+    normal = normal / np.linalg.norm(normal)
+    first = np.array([normal[2], 0.0, -normal[0]]) / np.hypot(normal[0], normal[2])
+    return first, np.cross(normal, first), normal
 
 
 def _across(camera: Camera, ahead: Array, behind: Array) -> Array:

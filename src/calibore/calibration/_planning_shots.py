@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from calibore.calibration._planning_targets import (
 from calibore.lasers import Plane
 from calibore.rigs import Rig, SideFacing
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 UNITS = {"mm": 1e-3, "in": 0.0254}
 SIDES = ("top", "right", "bottom", "left")
 RING_DISTANCES = (0.3, 0.45, 0.65, 0.9, 1.3, 2.0)
@@ -78,7 +79,7 @@ def usual_shots(rig: Rig, target: PlannedTarget, nominal_radius: float) -> Itera
 
 
 def _boards(target: PlannedBoard) -> Iterator[Shot]:
-    for distance in np.hypot(*target.size) * np.array(BOARD_DISTANCES):
+    for distance in target.diagonal * np.array(BOARD_DISTANCES):
         for across in ACROSS:
             for along in ACROSS:
                 yield from _tilted(float(distance), BOARD_TILTS, (across, along))

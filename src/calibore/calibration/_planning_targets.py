@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from pydantic import ConfigDict, Field
 
 from calibore.calibration._references import U_TILT
-from calibore.documents import Document, Length, read_document
+from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import InputError
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 NOISE = 0.1
 """px: of one mark across its line; marks found to a tenth of a pixel are usual on sharp pictures."""
 LINE_NOISE = 0.25
@@ -41,20 +41,31 @@ class PlannedRings:
 
 @dataclass(frozen=True)
 class PlannedBoard:
-    """`columns` x `rows` marks at the distance `square` [m], each coordinate known to `noise` [px]."""
+    """`columns` x `rows` marks at the distance `square` [m], each coordinate known to `noise` [px]. `staggered`: every
+    other row moved on by one `square`, marks of a row two apart.
+    """
 
     columns: int
     rows: int
     square: float
     noise: float = NOISE
+    staggered: bool = False
 
     def __post_init__(self) -> None:
         _check(columns=self.columns, rows=self.rows, square=self.square, noise=self.noise)
 
     @property
-    def size(self) -> tuple[float, float]:
-        """Width and height [m] between its outermost marks."""
-        return (self.columns - 1) * self.square, (self.rows - 1) * self.square
+    def marks(self) -> tuple[Array, Array]:
+        """Places x, y (n,) [m] from its middle."""
+        column, row = (a.ravel() for a in np.meshgrid(np.arange(self.columns), np.arange(self.rows)))
+        x = 2 * column + row % 2 if self.staggered else column
+        return (x - x.max() / 2) * self.square, (row - row.max() / 2) * self.square
+
+    @property
+    def diagonal(self) -> float:
+        """[m]."""
+        x, y = self.marks
+        return float(2 * np.hypot(x.max(), y.max()))
 
 
 @dataclass(frozen=True)
@@ -97,6 +108,16 @@ STEPS = 400
 """Stops of a slide at most; those that the camera does not see are dropped."""
 
 
+class _Look(Document):
+    """`u` of a diameter or a stand-off."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    gauge: Positive | None = None
+    flat: Positive | None = None
+    u: Positive
+
+
 class _AnyTarget(Document):
     """What a plan takes from target.toml; the rest concerns pictures that are there already."""
 
@@ -108,14 +129,17 @@ class _AnyTarget(Document):
     rings: Count | None = None
     u_ring: Positive | None = None
     corners: tuple[Count, Count] | None = None
+    squares: tuple[Count, Count] | None = None
     square: Positive | None = None
+    look: tuple[_Look, ...] = ()
+    u_tilt: Annotated[Angle, Field(gt=0)] = float(U_TILT)
     range_step: Positive | None = None
     range_origin: Length = 0.0
     u_range: Positive | None = None
 
 
 def read_planned_target(path: Path | str) -> PlannedTarget:
-    """The target that `path`, target.toml or its folder, describes: rings, a board, or a flat on a slide. Raises
+    """The target that `path`, target.toml or its folder, describes: rings, a board, gauges, or a flat on a slide. Raises
     InputError where a plan can make nothing of it.
     """
     path = Path(path)
@@ -125,17 +149,29 @@ def read_planned_target(path: Path | str) -> PlannedTarget:
         known = {} if found.u_ring is None else {"u_ring": found.u_ring}
         return PlannedRings(_needed(path, found, "ring_spacing"), _needed(path, found, "rings"), **known)
     if found.kind in BOARDS:
-        columns, rows = _needed(path, found, "corners")
-        return PlannedBoard(columns, rows, _needed(path, found, "square"))
+        columns, rows = found.squares or _needed(path, found, "corners")
+        less, staggered = int(found.squares is not None), found.kind.startswith("asymmetric")
+        return PlannedBoard(columns - less, rows - less, _needed(path, found, "square"), staggered=staggered)
     if found.kind == "range":
         step = _needed(path, found, "range_step")
         stops = (found.range_origin + step * np.arange(1, STEPS + 1)).tolist()
         known = {} if found.u_range is None else {"u": found.u_range}
-        return PlannedFlats(tuple(stop for stop in stops if stop > 0), **known)
+        return PlannedFlats(tuple(stop for stop in stops if stop > 0), u_tilt=found.u_tilt, **known)
+    if found.kind == "ring-gauge" and found.look:
+        return _gauges(found)
     raise InputError(
         f'{path}: next pictures of a target of kind "{found.kind}" cannot be planned; give one of kind '
-        f"concentric-rings, {', '.join(BOARDS)} or range."
+        f"concentric-rings, {', '.join(BOARDS)}, ring-gauge or range."
     )
+
+
+def _gauges(found: _AnyTarget) -> PlannedTarget:
+    """The gauges at hand; where there are none, a flat at the stand-offs of before."""
+    gauges = {look.gauge: look.u / 2 for look in found.look if look.gauge is not None}
+    if gauges:
+        return PlannedGauges(tuple(gauges), u=max(gauges.values()), u_tilt=found.u_tilt)
+    flats = {look.flat: look.u for look in found.look if look.flat is not None}
+    return PlannedFlats(tuple(flats), u=max(flats.values(), default=PlannedFlats.u), u_tilt=found.u_tilt)
 
 
 def _needed(path: Path, found: _AnyTarget, key: str) -> Any:

@@ -1,4 +1,4 @@
-"""Kind "probe": from voltages and a caliper's readings to the radius that a tactile probe touches (Swanbom 2007, 8.2.3).
+"""Kind "probe": from voltages and a caliper's readings to the radius that a probe touches (Swanbom 2007, 8.2.3).
 
 The slope comes from lengths measured under the caliper, whose origin is arbitrary; the intercept from diameters in the
 pipe. The tip's radius is no part of it: which spot a ball touches is the scan's business.

@@ -17,7 +17,8 @@ DOUBTFUL = 0.05
 class Intercept:
     """`value` [m], the `each` (m,) [m] of its diameters, their standard uncertainties `u_each` (m,) [m] apart from the
     slope's, those `kept` (m,); `u` [m] of the value apart from the slope's, with `freedom`; `mean_ratio`: by how much
-    it falls per slope. `enlarged`: factor by which disagreement raised u; `deviation` (m,): of each from the others [u].
+    it falls per slope. `enlarged`: factor by which disagreement raised u; `deviation` (m,): of each from the others, in
+    standard uncertainties.
     """
 
     value: float

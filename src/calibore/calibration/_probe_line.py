@@ -15,8 +15,8 @@ ALIKE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """length = slope ratio + origin, ratios around `mean_ratio`; `residuals` (n,) [m] of lengths; `scatter` [m] of one of them, with `freedom` n - 2;
-    `u_slope`; `stretch` of its variance by correlated neighbours, already contained.
+    """length = slope ratio + origin, ratios around `mean_ratio`; `residuals` (n,) [m] of lengths; `scatter` [m] of one
+    of them, with `freedom` n - 2; `u_slope`; `stretch` of its variance by correlated neighbours, already contained.
 
     Probabilities that chance alone gives such: `p_curved` for a curve (cubic against line), with the largest departure
     `bow` [m]; `p_drift` for a trend with order, None where order and length go together, over the whole run `drift`
@@ -71,12 +71,12 @@ def fit_line(ratio: Array, length: Array) -> Line:
 
 
 def _fitted(design: Array, data: Array) -> tuple[Array, Array]:
-    found, *_ = np.linalg.lstsq(design, data, rcond=None)
+    found = np.asarray(np.linalg.lstsq(design, data, rcond=None)[0], dtype=float)
     return found, data - design @ found
 
 
 def _better(simple: Array, richer: Array, residuals: Array, data: Array) -> tuple[float, float]:
-    """p of the F test of `richer` against `simple`, and the largest difference of what they predict."""
+    """Chance p of the F test of `richer` against `simple`, and the largest difference of what they predict."""
     from scipy.special import fdtrc
 
     _, left = _fitted(richer, data)
@@ -89,7 +89,7 @@ def _better(simple: Array, richer: Array, residuals: Array, data: Array) -> tupl
 
 
 def _alike(residuals: Array) -> tuple[float, float]:
-    """Correlation of neighbours, and p of von Neumann's ratio (about 2 by chance, normal limit) for greater likeness."""
+    """Correlation of neighbours, and p of von Neumann's ratio (about 2 by chance, normal limit) for more of it."""
     from scipy.special import ndtr
 
     n, square = residuals.size, float(residuals @ residuals)

@@ -29,8 +29,8 @@ _UNIT = re.compile(r"_(in|inch|mm|cm|m)\b", flags=re.IGNORECASE)
 
 
 class ProbeTarget(Document):
-    """[m]. `adc_bits`, `adc_range` [V] and `bias_voltage` [V] of the voltmeter give a least noise; noise itself comes from
-    the data. `u_caliper`: of one reading; `u_contact`: of one contact in the pipe.
+    """[m]. `adc_bits`, `adc_range` [V] and `bias_voltage` [V] of the voltmeter give a least noise; noise itself comes
+    from the data. `u_caliper`: of one reading; `u_contact`: of one contact in the pipe.
     """
 
     format: Literal["calibore-target/1"]
@@ -53,8 +53,8 @@ class ProbeTarget(Document):
 
 @dataclass(frozen=True, eq=False)
 class ProbeTables:
-    """`ratio` (n,) and `length` (n,) [m] in the order they were taken; of m diameters the angular `stops` (m, 2), the two
-    ratios `raw` (m, 2) and the caliper's `diameter` (m,) [m]; the workshop's `unit`.
+    """`ratio` (n,) and `length` (n,) [m] in the order they were taken; of m diameters the angular `stops` (m, 2), the
+    two ratios `raw` (m, 2) and the caliper's `diameter` (m,) [m]; the workshop's `unit`.
     """
 
     target: ProbeTarget
@@ -78,8 +78,8 @@ def read_probe_tables(path: Path) -> ProbeTables:
     pairs, _ = _table(diameters, 5, "angular_index_1,angular_index_2,raw_1,raw_2,caliper_diameter_in")
     if len(np.unique(line[:, 0])) < FEWEST_LENGTHS:
         raise InputError(
-            f"{lengths} has {len(np.unique(line[:, 0]))} different lengths; measure at least {FEWEST_LENGTHS}, better 20, "
-            "spread over the probe's stroke."
+            f"{lengths} has {len(np.unique(line[:, 0]))} different lengths; measure at least {FEWEST_LENGTHS}, better "
+            "20, spread over the probe's stroke."
         )
     return ProbeTables(
         target,

@@ -6,7 +6,7 @@ known beforehand, can tell such a turn from a change of the parameters. So the t
 taken out, as mrcal does ("implied rotation").
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from calibore.optics import Camera
 from calibore.rigs import ValidRegion
 from calibore.uncertainty import Covariance
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 ROWS = 24
 """Of the even grid of pixels over which turns are fitted and differences averaged."""
 EVENING = 0.1

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration, Observations
+from calibore.calibration._in_words import Unit
 from calibore.calibration._pupil_fit import PupilFit, fit_pupil
 from calibore.calibration._pupil_model import PUPIL, SLIDE, TURN
 from calibore.calibration._pupil_target import TwoPinPictures, read_two_pin
-from calibore.calibration._in_words import Unit
 from calibore.optics import LENS_LAWS
 from calibore.uncertainty import Covariance
 
@@ -90,8 +90,9 @@ def _findings(found: PupilFit, pictures: TwoPinPictures) -> Iterator[str]:
     beyond = _beyond(found, slides)
     if beyond > 0:
         yield (
-            f"That is {unit.said(beyond, pupil.u)} beyond the readings photographed ({unit.said(slides.min(), pupil.u)} to "
-            f"{unit.said(slides.max(), pupil.u)}): an extrapolation, which the stated uncertainty contains."
+            f"That is {unit.said(beyond, pupil.u)} beyond the readings photographed "
+            f"({unit.said(slides.min(), pupil.u)} to {unit.said(slides.max(), pupil.u)}): an extrapolation, which the "
+            "stated uncertainty contains."
         )
     used = np.unique(found.seen.slide)
     for slide in slides[used[np.argsort(slides[used], kind="stable")]]:
@@ -136,11 +137,11 @@ def _warnings(found: PupilFit, pictures: TwoPinPictures) -> Iterator[str]:
         )
     if _beyond(found, slides) > FAR_OFF * np.ptp(slides):
         yield (
-            "The pupil was found far beyond the slide readings photographed; photograph the pins at a reading on the other "
-            "side of it as well."
+            "The pupil was found far beyond the slide readings photographed; photograph the pins at a reading on the "
+            "other side of it as well."
         )
     if found.model.forwards < 0:
-        yield "A greater slide reading moves the camera forwards here, not back; the sides above take that into account."
+        yield "A greater slide reading moves the camera forwards here, not back; that is taken into account."
     yield from _strange(found, SLIDE, target.u_slide, "The slide reading", slides)
     yield from _strange(found, TURN, target.u_turntable, "The turntable's angle", np.zeros(len(pictures.files)))
 
@@ -153,6 +154,6 @@ def _strange(found: PupilFit, prefix: str, u: float, what: str, read: Array) -> 
             off = abs(value - read[number]) / u
             if off > STRANGE:
                 yield (
-                    f"{what} number {number + 1} would have to be wrong by {off:.0f} standard uncertainties; check it, or "
-                    "state in target.toml how well it is read (u_slide, u_turntable)."
+                    f"{what} number {number + 1} would have to be wrong by {off:.0f} standard uncertainties; check it, "
+                    "or state in target.toml how well it is read (u_slide, u_turntable)."
                 )

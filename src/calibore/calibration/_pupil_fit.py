@@ -47,6 +47,7 @@ def fit_pupil(
     start = start_values(model, seen)
     seen = replace(seen, turn=start.rightwards * seen.turn)
     found: list[tuple[PinModel, Fit]] = []
+    failure: InputError | None = None
     for law in laws:
         model = PinModel(law, *size, slides, pictures, start.forwards)
         values = np.array(start.values)

@@ -56,8 +56,8 @@ class Image(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PinModel:
-    """The two-pin fixture for a lens `law` and an image of `width` x `height` px. The slide's readings `slides` (m,) [m]
-    and those of the turntable, one for each of `pictures` (k,), are parameters too: known as well as they were read.
+    """The two-pin fixture for a lens `law` and an image of `width` x `height` px. Readings `slides` (m,) [m] of the
+    slide and those of the turntable, one for each of `pictures` (k,), are parameters too, known as well as read.
     `forwards`: 1 where a greater reading moves the camera back, -1 where it moves it forwards.
     """
 
@@ -137,8 +137,8 @@ class PinModel:
 
 
 class _Sight(NamedTuple):
-    """Of n marks: column of their picture's turn (n,), rotation (n, 3, 3) and its slope by the turn, motion (n, 3) of the
-    pupil by the turn, axis of the pin (n, 3), arm (n, 3) from pupil to pin, normal (n, 3) of the plane of both.
+    """Of n marks: column of their picture's turn (n,), rotation (n, 3, 3) and its slope by the turn, motion (n, 3) of
+    the pupil by the turn, axis of the pin (n, 3), arm (n, 3) from pupil to pin, normal (n, 3) of the plane of both.
     """
 
     picture: Whole

@@ -1,4 +1,4 @@
-"""Where a search for the pupil starts, and whether the pictures can tell it at all: straight lines through mean columns.
+"""Where a search for the pupil starts, and whether the pictures can tell it: straight lines through mean columns.
 
 For small turns t, with e = pupil - slide: u = u0 - k t (1 + e / z) for a pin at distance z.
 """
@@ -58,9 +58,9 @@ def _mean_of(seen: Sightings, number: int, near: bool) -> tuple[float, float, in
 
 
 def _line(turn: Array, reading: Array, u: Array) -> tuple[Array, float]:
-    """u = a + b t + c t s: (a, b, c) and the standard deviation of c."""
+    """Line u = a + b t + c t s: (a, b, c) and the standard deviation of c."""
     design = np.stack([np.ones_like(turn), turn, turn * reading], axis=1)
-    found, *_ = np.linalg.lstsq(design, u, rcond=None)
+    found = np.asarray(np.linalg.lstsq(design, u, rcond=None)[0], dtype=float)
     off = u - design @ found
     spread = np.sqrt(off @ off / max(u.size - 3, 1))
     return found, float(spread * np.sqrt(np.linalg.pinv(design.T @ design)[2, 2]))
@@ -71,21 +71,21 @@ def _check_variety(model: PinModel, seen: Sightings) -> None:
     turned = [slide for slide, span in turns.items() if span > LEAST_TURN]
     if not turned:
         raise InputError(
-            "All usable pictures were taken at one turntable angle, so nothing moves; photograph both pins at both ends of "
-            "the camera's field of view, at every slide reading."
+            "All usable pictures were taken at one turntable angle, so nothing moves; photograph both pins at both "
+            "ends of the camera's field of view, at every slide reading."
         )
     if np.ptp(model.slides[turned]) < LEAST_SLIDE:
         raise InputError(
-            "All usable pictures were taken at one slide reading, so there is no length to measure by; move the slide by "
-            "some millimetres and photograph both pins at the same turntable angles again."
+            "All usable pictures were taken at one slide reading, so there is no length to measure by; move the slide "
+            "by some millimetres and photograph both pins at the same turntable angles again."
         )
 
 
 def _check_parallax(parallax: float, doubt: float) -> None:
     if abs(parallax) <= LEAST_PARALLAX * doubt:
         raise InputError(
-            "Near and far pin move alike at every slide reading, so they cannot tell where the pupil is; set one pin much "
-            "nearer to the camera than the other, and the slide readings further apart."
+            "Near and far pin move alike at every slide reading, so they cannot tell where the pupil is; set one pin "
+            "much nearer to the camera than the other, and the slide readings further apart."
         )
     if parallax < 0:
         raise InputError(

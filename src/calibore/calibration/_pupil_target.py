@@ -137,8 +137,8 @@ def _name(pattern: str, slide: int, turn: int, toml: Path) -> str:
         return pattern.format(slide=slide, turn=turn)
     except (ValueError, LookupError) as error:
         raise InputError(
-            f'{toml}: images = "{pattern}" is wrong: {error}. Write it as "pupil {{slide:03d}} {{turn}}.png": slide and '
-            "turn count from 0 in the lists slides and turntable."
+            f'{toml}: images = "{pattern}" is wrong: {error}. Write it as "pupil {{slide:03d}} {{turn}}.png"; slide '
+            "and turn count from 0 in the lists slides and turntable."
         ) from error
 
 

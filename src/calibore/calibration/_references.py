@@ -142,7 +142,7 @@ class RingGauge(Reference):
         """The centre of the circle; where the ring is flat, the inclination that would make its ellipse: the first
         derivative by the inclination of a ring square to its gauge is 0, so that a search could not leave it.
         """
-        circle = fit_circle(points[:, :2])
+        circle = fit_circle(points[:, :2], robust=True)
         guess = np.zeros(len(self.nuisance_names))
         guess[:2] = circle.centre
         if self.u_tilt > 0 and np.std(points[:, 2]) < FLAT * circle.radius:

@@ -134,14 +134,15 @@ class RigModel:
 
 
 def nearest_branches(model: RigModel, values: Array) -> tuple[Whole, ...]:
-    """For every look the meetings (n,) of its rays that lie nearest to its reference."""
+    """For every look the meetings (n,) of its rays that lie nearest to its reference, grazing ones among them."""
     rig, chosen = model.moved_rig(values), []
     for look in model.looks:
         own = [model.names.index(name) for name in model.nuisances(look.of_setting)]
+        rays = rig.mount.place(rig.camera.unproject(look.u, look.v))
         distances = []
-        for branch in range(meetings_of(rig, look.u[:1], look.v[:1], laser=look.laser).branches):
-            points = triangulate(rig, look.u, look.v, laser=look.laser, branch=branch).points
-            distance = np.abs(look.reference.gap(points, values[own]).value)
-            distances.append(np.where(np.isfinite(distance), distance, np.inf))
+        for along in meetings_of(rig, look.u, look.v, laser=look.laser).distance:
+            there = np.isfinite(along) & (along > 0)
+            points = rays.origin + np.where(there, along, np.nan)[:, None] * rays.direction
+            distances.append(np.where(there, np.abs(look.reference.gap(points, values[own]).value), np.inf))
         chosen.append(np.argmin(distances, axis=0))
     return tuple(chosen)

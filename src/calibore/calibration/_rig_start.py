@@ -20,6 +20,8 @@ ROUGH, ROUGH_LENGTH, ROUGH_SLOPE, ROUGH_PIXELS = 0.1, 0.02, 0.05, 20.0
 centre [px]."""
 MOST_LOOKS, SETTLED, ROUGHLY = 4, 0.01, 1e-8
 """First looks, the last of which changes nothing by more of what is known at least; how exactly each ends."""
+SAFEST = 0.6
+"""Of the marks of a look, for first looks: a rig that is not yet right takes near meetings for far ones at a fold."""
 LOST = 100.0
 """px: how far off a mark counts in a first look that on the way meets no light."""
 
@@ -32,8 +34,10 @@ class Prior(NamedTuple):
     matrix: Array
 
 
-def usable_model(model: RigModel, near: Rig) -> RigModel:
-    """Only the marks that meet the light of the rig `near` far enough from its folds, where it meets references."""
+def usable_model(model: RigModel, near: Rig, *, safest: float = 1.0) -> RigModel:
+    """Only the marks that meet the light of the rig `near` far enough from its folds, where it meets references; of
+    each look the fraction `safest`.
+    """
     straight = model.start(near)
     straight[len(model.free) :] = 0.0
     model = replace(model, branches=nearest_branches(model, straight))
@@ -42,7 +46,8 @@ def usable_model(model: RigModel, near: Rig) -> RigModel:
     lit, rig = np.isfinite(model.gaps(model.start(near)).value), near.knowing(None)
     for number, (look, branch) in enumerate(zip(model.looks, model.branches, strict=True)):
         m = margin(rig, look.u, look.v, branch=branch, u_pixel=look.sigma, direction=look.direction, laser=look.laser)
-        kept = lit[model.look_of == number] & (m >= NEAR_FOLD)
+        m = np.where(lit[model.look_of == number], np.nan_to_num(m), 0.0)
+        kept = m >= max(NEAR_FOLD, np.quantile(m, 1 - safest))
         if not kept.any():
             raise InputError(
                 f"None of the {kept.size} marks of {look.name} lies in the light of the laser as the rig is described; "
@@ -79,7 +84,7 @@ def rough_rig(model: RigModel, near: Rig) -> Rig:
     from scipy.optimize import least_squares
 
     for _ in range(MOST_LOOKS):
-        usable = usable_model(model, near)
+        usable = usable_model(model, near, safest=SAFEST)
         start = usable.start(near)
         known = _known_at_least(usable, start)
         values = least_squares(

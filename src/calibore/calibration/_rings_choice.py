@@ -5,12 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._calibration import Comparison
 from calibore.calibration._lens_models import LensModel
 from calibore.calibration._rings_fit import RingFit
 from calibore.calibration._rings_sight import Sight
 from calibore.fitting import information_criteria
-from calibore.uncertainty import Quantity
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]

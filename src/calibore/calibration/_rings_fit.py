@@ -30,8 +30,8 @@ CLOSE = 20.0
 STEEPEST, ASPECTS = 1.0, (0.5, 2.0)
 ENOUGH = 1500
 """Marks that tell roughly where everything is."""
-SMOOTH = LensModel("polynomial", ("polynomial_3",))
-"""Near enough to any lens to compare neighbouring marks by."""
+SMOOTH = LensModel("equidistant")
+"""Near enough to any lens to compare neighbouring marks by; it images every direction, so that no mark is lost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ def fit_lens(
 def stretches(sight: Sight) -> Sight:
     """The marks of all pictures, condensed to a mark for each stretch of a line."""
     few = sight.thinned(ENOUGH)
-    rough = fit_lens(few, SMOOTH, shared=False, robust=True)
+    rough = fit_lens(few, SMOOTH, shared=False)
     model = RingModel(SMOOTH, sight.printed, sight.marks, sight.size, sight.square, rough.model.printed_errors)
     return condensed(sight, model(rough.fit.values)[0])
 
@@ -110,7 +110,7 @@ def fit_all(
         done()
     if not plain:
         raise InputError(
-            "No lens model can be fitted to the marks; check that rings, spokes and ring_spacing are those of the target."
+            "No lens model can be fitted to the marks; check that rings, spokes and ring_spacing are the target's."
         )
     best = min(plain.values(), key=lambda fit: fit.rms)
     sight = evened(sight, best.fit.residuals)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._lens_models import ASPECT, CENTRE, LensModel
-from calibore.calibration._rings_target import Place, RingTarget
+from calibore.calibration._rings_target import RingTarget
 from calibore.errors import InputError
 from calibore.optics import Camera
 from calibore.rigs import Laser, Rig, triangulate
@@ -32,8 +32,8 @@ class Printed(NamedTuple):
 class RingModel:
     """Predicts where the marks of several pictures of one target lie; a model for `fitting.least_squares`.
 
-    Parameters `names`: those of the `lens`, the pixels' aspect unless `square`, the principal point, the `RingTarget` of
-    each picture; `FINDER`: how far [px] all marks are found too far right, down, and those of rings outwards; with
+    Parameters `names`: those of the `lens`, the pixels' aspect unless `square`, the principal point, the `RingTarget`
+    of each picture; `FINDER`: how far [px] all marks are found too far right, down, and those of rings outwards; with
     `printed_errors` the error [m] of each ring's printed radius.
     """
 
@@ -133,8 +133,8 @@ class RingModel:
 
 
 class Gap(NamedTuple):
-    """How far marks are beyond their rings or beside their spokes, `value` (m,) [m], its `slope` (m,) [m/px] along their
-    directions, its derivatives by the place of the target (m, 6) and by the camera (m, c).
+    """How far marks are beyond their rings or beside their spokes, `value` (m,) [m], its `slope` (m,) [m/px] along
+    their directions, its derivatives by the place of the target (m, 6) and by the camera (m, c).
     """
 
     value: Array

@@ -119,8 +119,8 @@ def _check_sizes(toml: Path, sizes: dict[tuple[int, int], str]) -> None:
     if len(sizes) > 1:
         (first, name), (second, other) = list(sizes.items())[:2]
         raise InputError(
-            f"{toml}: {name} is {first[0]} x {first[1]} px, but {other} is {second[0]} x {second[1]} px; all photographs "
-            "must come from one camera at one setting."
+            f"{toml}: {name} is {first[0]} x {first[1]} px, but {other} is {second[0]} x {second[1]} px; all "
+            "photographs must come from one camera at one setting."
         )
 
 

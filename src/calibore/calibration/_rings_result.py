@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Comparison, Observations
+from calibore.calibration._evidence import of_fit
 from calibore.calibration._lens_models import ASPECT, CENTRE
 from calibore.calibration._rings_choice import BASELINE, DETERMINED, SCALE, Trial
 from calibore.calibration._rings_fit import RingFit
@@ -136,11 +137,18 @@ def observations_of(outcome: Outcome, files: Sequence[int]) -> Observations:
         file=np.array(files, dtype=np.intp)[outcome.sight.picture],
         u=np.concatenate([one.u for one in marks]),
         v=np.concatenate([one.v for one in marks]),
-        residual=fit.residuals,
-        sigma=fit.sigma,
-        weight=fit.weights,
-        group=outcome.sight.sight_of_line,
-        jacobian=fit.jacobian,
-        names=fit.names,
-        whitened=fit.information_root,
+        whitened=_with_doubt(outcome) if outcome.rivals else None,
+        **of_fit(fit),
     )
+
+
+def _with_doubt(outcome: Outcome) -> Array:
+    """The root of the information on all parameters that is left when the doubt about the law is counted: residuals of
+    one law cannot tell it.
+    """
+    fit, names = outcome.ring_fit.fit, outcome.covariance.names
+    index = np.ix_(*[[fit.names.index(name) for name in names]] * 2)
+    total = fit.covariance.copy()
+    total[index] = outcome.covariance.matrix
+    u = np.sqrt(np.diag(total))
+    return np.linalg.inv(np.linalg.cholesky(total / np.outer(u, u))) / u

@@ -26,8 +26,8 @@ TO_DEVIATION = 1.4826
 @dataclass(frozen=True, eq=False)
 class Sight:
     """What is `printed`, the `marks` of each picture, the image `size` (width, height) [px], the `nominal_baseline` [m]
-    of the first picture; `u_ring` [m] of printed radii, None where the marks shall tell; `u_baseline` [m], None where it is only nominal; what is known of
-    the camera; `enlarged` (n,): by what factor the sigma of each mark has been enlarged.
+    of the first picture; `u_ring` [m] of printed radii, None where the marks shall tell; `u_baseline` [m], None where
+    it is only nominal; what is known of the camera; `enlarged` (n,): by what factor the sigma of each mark has been.
     """
 
     printed: Printed

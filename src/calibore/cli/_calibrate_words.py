@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 METRES = {"mm": 1e-3, "in": 0.0254}
 DEGREE = math.pi / 180
-NAMED = 12
-"""Refused files that are named one by one; --json names all."""
+NAMED = 6
+"""Refused files that are named for one reason; --json names all."""
 
 
 def check_unit(unit: str) -> None:
@@ -124,9 +124,10 @@ def result_lines(calibration: "Calibration", length: str) -> Iterator[str]:
     refused = [file for file in calibration.files if file.refused]
     if refused:
         yield from ("", f"Not used, {len(refused)} of {len(calibration.files)} files:")
-        yield from (f"  {file.name}: {file.refused}" for file in refused[:NAMED])
-        if len(refused) > NAMED:
-            yield f"  and {len(refused) - NAMED} more"
+        for reason in dict.fromkeys(file.refused for file in refused):
+            names = [file.name for file in refused if file.refused == reason]
+            more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+            yield f"  {', '.join(names[:NAMED])}{more}: {reason}"
 
 
 def plain(calibration: "Calibration", out: Path) -> dict[str, Any]:

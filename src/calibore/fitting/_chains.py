@@ -74,7 +74,9 @@ WHITE = Autoregression(np.zeros(0))
 
 
 def order_of(residuals: Array, position: Whole) -> Array:
-    """Partial autocorrelations of `residuals` (n,), as many as Akaike's criterion asks for; none of white noise."""
+    """Partial autocorrelations of `residuals` (n,), as many as Hannan and Quinn's criterion (1979) asks
+    for; none of white noise.
+    """
     longest = int(position.max(initial=0)) + 1
     largest = min(LARGEST_ORDER, longest // VALUES_PER_LAG)
     chained = position > 0
@@ -87,8 +89,9 @@ def order_of(residuals: Array, position: Whole) -> Array:
     if not moments[0] > 0:
         return np.zeros(0)
     partial, best, count = _durbin(np.array(moments) / moments[0]), (0.0, 0), int(chained.sum())
+    price = 2 * np.log(np.log(max(count, 16)))
     for order in range(1, largest + 1):
-        criterion = count * np.log(np.prod(1 - partial[:order] ** 2)) + 2 * order
+        criterion = count * np.log(np.prod(1 - partial[:order] ** 2)) + price * order
         best = min(best, (float(criterion), order))
     return partial[: best[1]]
 

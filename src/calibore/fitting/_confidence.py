@@ -4,7 +4,7 @@ The information about the variances is the expected one, which stays sensible wh
 correlation is informed by the curvature of the deviance and taken as independent of them (Cox and Reid 1987).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from calibore.fitting._likelihood import CHAIN_STEP, Unknowns, deviance_and_slopes, variance_information
 from calibore.fitting._mixed import Solution
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 
 
 class Confidence(NamedTuple):

@@ -40,7 +40,7 @@ class Fit:
 
     `covariance_modes` (k, p, p): how the covariance itself may be wrong, one standard deviation each, independent;
     none where the scatter is known. `information_root` (p, p): R of the whitened Jacobian's QR, prior included. `ties`:
-    what else the fit was given.
+    what else the fit was given. `evidence`: the linearised model and what its likelihood lacks.
     """
 
     names: tuple[str, ...]

@@ -13,7 +13,7 @@ from calibore.fitting._fit import Fit, Ties, satterthwaite
 from calibore.fitting._likelihood import Unknowns, most_likely, unknowns_of
 from calibore.fitting._minimise import minimise
 from calibore.fitting._mixed import MixedModel, Scatter, Solution
-from calibore.fitting._outliers import agreeing, first_deviation, resistant
+from calibore.fitting._outliers import FAINTEST, agreeing, first_deviation, resistant
 from calibore.fitting._problem import Mask, Model, Prior, Problem, Rows, check_bounds, posed
 from calibore.fitting._rank import spectrum, triangle
 from calibore.fitting._whitening import whitened, whitening
@@ -24,7 +24,6 @@ ROUNDS = 20
 SELECTIONS = 6  # rounds after which the choice of outliers rests
 SETTLED = 0.01  # standard uncertainties: a change of parameters that no longer matters
 EXACT = 1e-15  # of the largest first residual: noise that is only rounding
-FAINTEST = 1e-18  # smallest noise, in the unit of the data
 
 
 class Known(NamedTuple):
@@ -102,14 +101,15 @@ def _settled(
     """Parameters, scatter and outliers found in turn until none of them matters to the others."""
     rows = problem.rows(used)
     deviation = known.noise or first_deviation(problem, rows, values)
-    scatter, first = Scatter(deviation**2, (known.group_sigma or 0.0) ** 2, WHITE), True
+    scatter = Scatter(deviation**2, (known.group_sigma or 0.0) ** 2, WHITE)
     faintest = max(EXACT * float(np.abs(problem.linearised(values, rows)[0]).max()), FAINTEST)
     for number in range(ROUNDS):
-        values = minimise(whitened(problem, rows, scatter), values)
-        estimate = _estimated(problem, values, rows, known, None if first else scatter, faintest=faintest)
-        scatter, first = estimate.solution.scatter, False
+        rough = number == 0 and not problem.plain
+        values = minimise(whitened(problem, rows, scatter), values, rough=rough)
+        estimate = _estimated(problem, values, rows, known, scatter if number else None, faintest=faintest)
+        scatter = estimate.solution.scatter
         again = _used(problem, values, estimate, robust=robust) if number < SELECTIONS else used
-        if np.array_equal(again, used) and estimate.settled:
+        if np.array_equal(again, used) and estimate.settled and not rough:
             return values, used, estimate
         used, rows, values = again, problem.rows(again), values + estimate.step
     raise InputError("Parameters and scatter of the fit do not settle; add data, or fit without groups or chains.")
@@ -133,7 +133,8 @@ def _estimated(
     noise = known.noise or max(float(np.sqrt(residuals @ residuals / max(spare, 1))), faintest)
     basis = spectrum(triangle(np.concatenate([jacobian / noise, problem.known]))).basis
     if scatter is None:
-        scatter = _guessed(residuals, rows, known, spare=spare, chained=bool((problem.chain >= 0).any()))
+        chained = bool((problem.chain >= 0).any())
+        scatter = _guessed(residuals, rows, known, spare=spare, chained=chained, faintest=faintest)
     table = np.column_stack([jacobian @ basis, rows.loads.toarray(), residuals])
     model = MixedModel(
         LagMoments(table, rows.position, scatter.chain.order),
@@ -141,18 +142,23 @@ def _estimated(
         np.column_stack([problem.known @ basis, problem.aims - problem.known @ values]),
     )
     unknowns = unknowns_of(
-        model, scatter, noise_known=known.noise is not None, group_known=known.group_sigma is not None
+        model,
+        scatter,
+        noise_known=known.noise is not None,
+        group_known=known.group_sigma is not None,
+        least_noise=faintest**2,
     )
     return Estimate(rows, model.at(most_likely(model, unknowns)), unknowns, basis)
 
 
-def _guessed(residuals: Array, rows: Rows, known: Known, *, spare: int, chained: bool) -> Scatter:
+def _guessed(residuals: Array, rows: Rows, known: Known, *, spare: int, chained: bool, faintest: float) -> Scatter:
     """Where the search for the scatter begins: groups' means, and what remains without them."""
     strength = rows.loads.power(2).sum(axis=0)
     means = (rows.loads.T @ residuals) / np.where(strength > 0, strength, 1.0)
     within = residuals - rows.loads @ means
     chain = Autoregression(order_of(within, rows.position)) if chained else WHITE
-    noise = within @ within / max(spare - np.count_nonzero(strength), 1) if known.noise is None else known.noise**2
+    noise = within @ within / max(spare - np.count_nonzero(strength), 1)
+    noise = max(float(noise), faintest**2) if known.noise is None else known.noise**2
     group = float(np.mean(means**2)) if means.size else 0.0
     return Scatter(noise / chain.variances[0], group if known.group_sigma is None else known.group_sigma**2, chain)
 
@@ -181,6 +187,7 @@ def _fit(problem: Problem, values: Array, used: Mask, estimate: Estimate) -> Fit
         covariance_modes=modes,
         information_root=root,
         ties=_ties(problem, values, estimate.unknowns),
+        evidence=(estimate.solution.model, estimate.unknowns, _constant(problem, estimate.rows)),
     )
 
 
@@ -188,6 +195,13 @@ def _ties(problem: Problem, values: Array, unknowns: Unknowns) -> Ties:
     prior = np.column_stack([problem.known, problem.aims - problem.known @ values])
     group_sigma = float(np.sqrt(unknowns.start.group)) if unknowns.group_known else None
     return Ties(problem.group, problem.load, problem.chain, prior, unknowns.noise_known, group_sigma)
+
+
+def _constant(problem: Problem, rows: Rows) -> float:
+    """What the deviance of residuals of sigma 1 lacks to be that of the data and the prior."""
+    count = rows.index.size + problem.aims.size
+    prior = np.linalg.svd(problem.known, compute_uv=False)
+    return float(count * np.log(2 * np.pi) + 2 * np.log(rows.sigma).sum() - 2 * np.log(prior).sum())
 
 
 def _check_count(problem: Problem, usable: Mask, *, spare: bool) -> None:

@@ -22,13 +22,14 @@ class Unknowns:
     """What of the scatter is searched for, as a vector: log innovation, log(1 + group / unit), artanh partial.
 
     The second is linear where groups share little and a logarithm where they share much. `noise` and `group` are
-    kept as in `start` where they are known.
+    kept as in `start` where they are known. `least_noise`: variance of an innovation that is only rounding.
     """
 
     start: Scatter
     noise_known: bool
     group_known: bool
     unit: float
+    least_noise: float = 0.0
 
     def vector(self, scatter: Scatter) -> Array:
         noise = [] if self.noise_known else [np.log(scatter.innovation)]
@@ -48,17 +49,21 @@ class Unknowns:
 
     @property
     def bounds(self) -> list[tuple[float, float]]:
-        middle = np.log(self.start.innovation)
-        noise = [] if self.noise_known else [(middle - WIDEST, middle + WIDEST)]
+        middle = float(np.log(self.start.innovation))
+        least = float(np.log(self.least_noise)) if self.least_noise > 0 else -np.inf
+        noise = [] if self.noise_known else [(max(middle - WIDEST, least), middle + WIDEST)]
         group = [] if self.group_known else [(0.0, WIDEST)]
         return [*noise, *group, *[(-LARGEST_PARTIAL, LARGEST_PARTIAL)] * self.start.chain.order]
 
 
-def unknowns_of(model: MixedModel, start: Scatter, *, noise_known: bool, group_known: bool) -> Unknowns:
+def unknowns_of(
+    model: MixedModel, start: Scatter, *, noise_known: bool, group_known: bool, least_noise: float
+) -> Unknowns:
     """What is searched for: `start` gives the order of the chains and what is known."""
     groups = model.at(start).gram[model.parameters : -1, model.parameters : -1]
     group_known = group_known or not groups.size
-    return Unknowns(start, noise_known, group_known, 1.0 if group_known else len(groups) / float(np.trace(groups)))
+    unit = 1.0 if group_known else len(groups) / float(np.trace(groups))
+    return Unknowns(start, noise_known, group_known, unit, least_noise)
 
 
 def most_likely(model: MixedModel, unknowns: Unknowns, *, restricted: bool = True) -> Scatter:
@@ -70,7 +75,8 @@ def most_likely(model: MixedModel, unknowns: Unknowns, *, restricted: bool = Tru
         return unknowns.start
     if unknowns.only_noise and restricted and not model.known.size:
         squares = model.at(unknowns.start).squares * unknowns.start.innovation
-        return Scatter(squares / (model.rows - model.parameters), 0.0, unknowns.start.chain)
+        noise = max(squares / (model.rows - model.parameters), unknowns.least_noise)
+        return Scatter(noise, 0.0, unknowns.start.chain)
     scale = _doubts(model, unknowns)
     bounds = np.array(unknowns.bounds) / scale[:, None]
 

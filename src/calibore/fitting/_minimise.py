@@ -10,8 +10,8 @@ from calibore.errors import InputError
 Array = NDArray[np.float64]
 Function = Callable[[Array], tuple[Array, Array]]
 
-STEP = 1e-10  # of the scaled parameters, below which the search has converged
-DECREASE = 2.3e-16  # of the sum of squares: as far as double precision goes
+EXACT = (1e-10, 2.3e-16)  # a step of the scaled parameters, a decrease of the sum of squares that end the search
+ROUGH = (1e-4, 1e-6)  # the same for a fit that another will follow
 EVALUATIONS = 2000
 REPULSIVE = 1e3  # times the first residual: what a step costs that ends where the model has no value
 UNFINISHED = 1e-4  # of the sum of squares that a step could still take away
@@ -49,7 +49,7 @@ class _Search:
         self._place, self._residuals, self._jacobian = values.copy(), residuals, -slopes
 
 
-def minimise(function: Function, start: Array, *, evaluations: int = EVALUATIONS, step: float = STEP) -> Array:
+def minimise(function: Function, start: Array, *, rough: bool = False) -> Array:
     """Parameters (p,) with the least sum of squares of the residuals (n,) of `function`, which gives them and the
     Jacobian (n, p) of the predictions. A step to where it has no value is refused. Raises InputError where the search
     does not converge.
@@ -57,20 +57,21 @@ def minimise(function: Function, start: Array, *, evaluations: int = EVALUATIONS
     from scipy.optimize import least_squares
 
     search = _Search(function)
+    step, decrease = ROUGH if rough else EXACT
     found = least_squares(
         search.residuals,
         start,
-        jac=search.jacobian,
+        jac=search.jacobian,  # pyright: ignore[reportArgumentType]
         method="lm",
         x_scale="jac",
         xtol=step,
-        ftol=DECREASE,
-        gtol=DECREASE,
-        max_nfev=evaluations,
+        ftol=decrease,
+        gtol=EXACT[1],
+        max_nfev=EVALUATIONS,
     )
     if found.status <= 0:
         raise InputError(
-            f"The fit did not converge in {evaluations} steps; start nearer, fit fewer parameters or add data that "
+            f"The fit did not converge in {EVALUATIONS} steps; start nearer, fit fewer parameters or add data that "
             "tell them apart."
         )
     if search.refusals:

@@ -15,10 +15,11 @@ Array = NDArray[np.float64]
 AGREEING = 4.0  # robust standard deviations
 TUKEY_TUNING = 4.685  # standard deviations; 95 % efficiency on normal noise
 MEDIAN_TO_DEVIATION = 1.4826  # median of |x| to standard deviation of normal x
+FAINTEST = 1e-18  # smallest noise, in the unit of the data
+ROUNDING = 1e-12  # of the largest residual: a deviation that is none
 FIRST_STEPS = 5  # with weights 1 / |residual|, which no start can mislead as a redescending weight can
 STEPS = 30
 SETTLED = 1e-3  # change of a weight
-STEP = 1e-6  # of the scaled parameters, in a fit whose weights still change
 
 
 def resistant(problem: Problem, start: Array, usable: Mask) -> tuple[Array, Mask]:
@@ -27,7 +28,7 @@ def resistant(problem: Problem, start: Array, usable: Mask) -> tuple[Array, Mask
     deviation, weights = first_deviation(problem, rows, values), np.ones(rows.index.size)
     residuals = weights
     for number in range(STEPS):
-        values = minimise(_weighted(problem, rows, weights / deviation**2), values, step=STEP)
+        values = minimise(_weighted(problem, rows, weights / deviation**2), values, rough=True)
         residuals = problem.linearised(values, rows)[0]
         residuals = residuals - rows.loads @ _group_errors(rows, residuals, weights)
         deviation = _deviation(residuals)
@@ -67,8 +68,8 @@ def _group_errors(rows: Rows, residuals: Array, weights: Array) -> Array:
 
 
 def _deviation(residuals: Array) -> float:
-    floor = np.finfo(float).tiny + 1e-12 * float(np.abs(residuals).max(initial=0))
-    return max(MEDIAN_TO_DEVIATION * float(np.median(np.abs(residuals))), floor)
+    floor = ROUNDING * float(np.abs(residuals).max(initial=0))
+    return max(MEDIAN_TO_DEVIATION * float(np.median(np.abs(residuals))), floor, FAINTEST)
 
 
 def _tukey(relative: Array) -> Array:

@@ -45,6 +45,11 @@ class Problem:
     known: Array
     aims: Array
 
+    @property
+    def plain(self) -> bool:
+        """Whether the scatter does not bear on the parameters."""
+        return not self.aims.size and bool((self.group < 0).all() and (self.chain < 0).all())
+
     def linearised(self, values: Array, rows: Rows) -> tuple[Array, Array]:
         """Residuals (m,) of sigma 1 and their Jacobian (m, p)."""
         residuals, jacobian = self.model(values)
@@ -135,7 +140,7 @@ def _prior_rows(names: Sequence[str], prior: Prior | None) -> tuple[Array, Array
         root = np.linalg.inv(np.linalg.cholesky(matrix / np.outer(scale, scale))) / scale
     except np.linalg.LinAlgError:
         raise InputError(
-            "The covariance of what is known beforehand is not positive definite; state an uncertainty for each of them."
+            "The covariance of what is known beforehand is not positive definite; state an uncertainty of each."
         ) from None
     rows = np.zeros((mean.size, len(names)))
     rows[:, [list(names).index(name) for name in subset]] = root

@@ -12,11 +12,14 @@ gives it, its ring quantities, and the nominal radius [m]. Files are the caller'
 `design_pictures`                    all pictures of an analysed design, with titles and captions
 `published_picture`                  a table or figure of the source, drawn anew; `published_number` of it
 `design_chart`                       the designs that an optimisation found
+`calibration_pictures`, `difference_pictures`, `plan_pictures`   what a calibration means, how two differ, what to
+                                     photograph next
 `save_picture`, `save_vector`        a figure as PNG, as SVG
 `worst_stations`, `governing_ovality`, `clock_text`   what pictures and reports must say alike
 """
 
 from calibore.plotting._along import diameter_along, ovality_along
+from calibore.plotting._calibration import calibration_pictures, difference_pictures, plan_pictures
 from calibore.plotting._design import DesignPicture, design_pictures, save_vector
 from calibore.plotting._design_build import limit_text, parameter_words
 from calibore.plotting._figures import COVERAGE_FACTOR, save_picture
@@ -42,17 +45,20 @@ __all__ = [
     "LengthUnit",
     "Picture",
     "axial_unit",
+    "calibration_pictures",
     "clock_text",
     "design_chart",
     "design_pictures",
     "detected_line",
     "deviation_map",
     "diameter_along",
+    "difference_pictures",
     "governing_ovality",
     "length_unit",
     "limit_text",
     "ovality_along",
     "parameter_words",
+    "plan_pictures",
     "published_number",
     "published_picture",
     "save_picture",

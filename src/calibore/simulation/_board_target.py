@@ -50,12 +50,12 @@ def photograph_board(
 
 
 def unknown_fisheye(width: int, height: int, *, rng: np.random.Generator, widest: float = 1.6) -> Camera:
-    """A camera whose lens no law fits: r = k (zenith + p3 zenith^3 + ... + p9 zenith^9), its largest image radius
+    """A camera whose lens no law fits: r = k (zenith + p3 zenith^3 + ... + p11 zenith^11), its largest image radius
     within the picture seen at `widest` [rad] of zenith. Off-centre, pixels not quite square.
     """
     reach = 0.5 * np.hypot(width, height)
-    at_widest = np.array([-0.14, 0.05, -0.035, -0.012]) * rng.uniform(0.6, 1.2, 4)  # parts of r / k at the edge
-    coefficients = at_widest / widest ** np.arange(2, 10, 2)
+    at_widest = np.array([-0.14, 0.05, -0.04, 0.01, -0.02]) * rng.uniform(0.6, 1.2, 5)  # parts of r / k at the edge
+    coefficients = at_widest / widest ** np.arange(2, 12, 2)
     scale = reach / (widest * (1 + at_widest.sum()))
     lens = Lens("polynomial", scale, height / 2, polynomial=tuple(coefficients.tolist()))
     centre = np.array([width - 1, height - 1]) / 2 + rng.uniform(-0.02, 0.02, 2) * height

@@ -76,7 +76,7 @@ def _background(plane: Array) -> Array:
         return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
 
     design, seen = terms(v[::8], u[::8]).reshape(-1, 6), plane[::8, ::8].ravel()
-    kept = np.ones(seen.size, dtype=bool)
+    kept, surface = np.ones(seen.size, dtype=bool), np.zeros(design.shape[1])
     for _ in range(8):
         surface, *_ = np.linalg.lstsq(design[kept], seen[kept], rcond=None)
         off = np.abs(seen - design @ surface)
@@ -146,7 +146,7 @@ def _pin(plane: Array, tracks: list[list[_Run]], half: range, name: str) -> tupl
 
 
 def _steepest(lines: Array, coarse: NDArray[np.intp]) -> Array:
-    """The place (n,) [px] of the steepest slope of each of `lines` (n, w) near `coarse` (n,); NaN where there is none."""
+    """Place (n,) [px] of the steepest slope of each of `lines` (n, w) near `coarse` (n,); NaN where there is none."""
     from scipy.ndimage import gaussian_filter1d
 
     columns = coarse[:, None] + np.arange(-EDGE_REACH, EDGE_REACH + 1)
@@ -162,7 +162,7 @@ def _steepest(lines: Array, coarse: NDArray[np.intp]) -> Array:
 
 def _without_outliers(u: Array, v: Array, half_width: Array) -> tuple[Array, Array, Array, Array]:
     """Marks on a smooth axis of smoothly changing width, and the scatter about it."""
-    known = np.isfinite(u) & np.isfinite(half_width)
+    known, spread = np.isfinite(u) & np.isfinite(half_width), [LEAST_SIGMA]
     for _ in range(3):
         u, v, half_width = u[known], v[known], half_width[known]
         if u.size < LEAST_ROWS // 2:

@@ -1,21 +1,17 @@
 """Concentric rings and spokes found in a picture: centre, spokes, rings counted from the inside, every line measured."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.errors import ImageError
 from calibore.targets._marks import Array, RingMarks
-from calibore.targets._rings_chains import Dips, count_rings
+from calibore.targets._rings_chains import count_rings
+from calibore.targets._rings_checks import chosen_spokes, counted_rings, picture_of_target
 from calibore.targets._rings_layout import first_layout
 from calibore.targets._rings_passes import Line, measure
-from calibore.targets._rings_ridges import find_ridges, vote_for_centre
-from calibore.targets._rings_spokes import Spoke, find_spokes
-
-SEEN_ROUND = 0.15
-"""A ring counts where dips lie on at least this fraction of the rays."""
+from calibore.targets._rings_ridges import find_ridges, likely_centres
+from calibore.targets._rings_spokes import find_spokes
 
 
 def find_rings(image: NDArray[Any], *, rings: int, spokes: int) -> RingMarks:
@@ -27,29 +23,14 @@ def find_rings(image: NDArray[Any], *, rings: int, spokes: int) -> RingMarks:
 
     Raises ImageError: no such target, other numbers of rings or spokes, over-exposed, blurred, cut off.
     """
-    plane = _brightness(image)
+    plane = picture_of_target(image)
+    size = plane.shape[1], plane.shape[0]
     ridges = find_ridges(plane)
-    centre = vote_for_centre(ridges)
-    if centre is None:
-        raise ImageError("No ring target was found.")
-    found = find_spokes(ridges, centre)
-    if len(found) != spokes:
-        raise ImageError(f"{len(found)} spokes were found, {spokes} are stated.")
+    found = chosen_spokes([find_spokes(ridges, centre) for centre in likely_centres(ridges)], size, spokes)
     dips = count_rings(plane, found[0].centre, found)
-    lines, layout = measure(plane, first_layout(dips, found[0].centre, found, _ring_count(dips, rings)))
+    count = counted_rings(dips, rings)
+    lines, layout = measure(plane, first_layout(dips, found[0].centre, found, count))
     return _marks(lines, layout.centre)
-
-
-def _brightness(image: NDArray[Any]) -> Array:
-    """The picture (h, w) as fractions of full scale."""
-    white = np.iinfo(image.dtype).max
-    return (image if image.ndim == 2 else image[..., :3].mean(axis=2)) / float(white)
-
-
-def _ring_count(dips: Dips, stated: int) -> int:
-    rays = np.bincount(dips.ring, minlength=stated + 2)
-    seen = rays >= SEEN_ROUND * dips.azimuths.size
-    return int(np.argmin(np.append(seen[1 : stated + 1], False)))
 
 
 def _marks(lines: list[Line], centre: Array) -> RingMarks:

@@ -22,9 +22,11 @@ BLUR_PRIOR, SLOPE_PRIOR = 0.5, 0.01
 """Relative standard uncertainty of the starting blur; standard uncertainty of the light's slope [1/px]."""
 WIDTH_PRIOR = 0.5
 """Standard uncertainty of a bin's ink width relative to what was expected there."""
-LEAST_BLUR = 0.3
-"""px: the area of a pixel alone."""
+LEAST_BLUR, BLUR_RANGE = 0.3, 3.0
+"""px, the area of a pixel alone; factor by which the blur may differ from what was expected."""
 FAINTEST_LIGHT = 1e-4
+GROUPS, CHI_MEDIAN = 12, 0.4549
+"""Groups of brightness; median of chi-square with one degree of freedom."""
 OUTLYING_SQUARE = 20.0
 """Squared residuals beyond this multiple of the variance tell of dirt, not of noise."""
 
@@ -91,7 +93,7 @@ def fit_bars(strip: Strip, along: Array, start: Start, noise: Noise) -> Bars:
         step[:, 0] = np.clip(step[:, 0], -0.5 * own[:, 0], own[:, 0])
         step[:, 1:] = np.clip(step[:, 1:], -LONGEST_STEP, LONGEST_STEP)
         own, shared = own + step, shared + step_shared
-        shared[0] = np.clip(shared[0], max(LEAST_BLUR, 0.5 * start.blur), 2 * start.blur)
+        shared[0] = np.clip(shared[0], max(LEAST_BLUR, start.blur / BLUR_RANGE), BLUR_RANGE * start.blur)
         shared[1] = np.clip(shared[1], 0.02, 1.0)
         if np.abs(step[:, 1]).max() < SETTLED:
             break
@@ -178,15 +180,28 @@ class _Equations:
         return np.sqrt(self.inverse[:, 1, 1] + np.einsum("bq,bq->b", carried @ np.linalg.inv(self.reduced), carried))
 
 
-def learn_noise(lines: list[Bars], start: Noise) -> Noise:
-    """The noise that the residuals of all lines show, as a straight line over the brightness."""
+def learn_noise(lines: list[Bars]) -> Noise:
+    """The noise that the residuals of all lines show, as a straight line over the brightness: first by the medians of
+    equally many pixels of like brightness, which dirt does not move, then by all pixels but the outlying.
+    """
     predicted = np.concatenate([line.predicted for line in lines])
     square = np.concatenate([line.square for line in lines])
-    noise = start
-    for _ in range(5):
+    order = np.argsort(predicted)
+    groups = np.array_split(order, min(GROUPS, max(2, predicted.size // 50)))
+    level = np.array([predicted[group].mean() for group in groups])
+    typical = np.array([np.median(square[group]) for group in groups]) / CHI_MEDIAN
+    noise = _straight(level, typical, typical)
+    for _ in range(3):
         variance = noise.variance(predicted)
         kept = square < OUTLYING_SQUARE * variance
-        design = np.stack([np.ones(int(kept.sum())), predicted[kept]], axis=1) / variance[kept, None]
-        additive, gain = np.linalg.lstsq(design, square[kept] / variance[kept], rcond=None)[0]
-        noise = Noise(float(additive), float(gain))
+        noise = _straight(predicted[kept], square[kept], variance[kept])
     return noise
+
+
+def _straight(level: Array, square: Array, variance: Array) -> Noise:
+    """The straight line through squared residuals whose own scatter is as their expected `variance`."""
+    design = np.stack([np.ones(level.size), level], axis=1) / (variance + FAINTEST_LIGHT**2)[:, None]
+    additive, gain = np.linalg.lstsq(design, square / (variance + FAINTEST_LIGHT**2), rcond=None)[0]
+    if gain < 0:
+        return Noise(float(np.mean(square)), 0.0)
+    return Noise(float(additive), float(gain))

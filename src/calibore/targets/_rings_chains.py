@@ -22,7 +22,7 @@ END_OF_PAPER = 0.6
 """Beyond the last place so bright, relative to the paper beside the outermost dip, a ray has left the paper."""
 NEAREST = 4.0
 """px from the centre to the first ring, at least."""
-BLENDED = 3.0
+BLENDED = 2.0
 """px beside a spoke in which its blur hides rings."""
 SAME_LINE = 0.35
 """Dips of neighbouring rays within this fraction of the distance to the next dip lie on one ring."""

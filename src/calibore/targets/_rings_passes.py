@@ -12,6 +12,7 @@ from calibore.targets._rings_layout import CLEAR, NARROWEST, Layout, Ring, smoot
 from calibore.targets._rings_strips import Strip, strip_along
 
 PASSES = 2
+FIRST_RINGS = (1, 2)
 LEAST_STEP, MOST_BINS = 2.0, 1000
 """px of a line that one mark stands for, at least; marks of the longest ring, at most."""
 BROAD = 2.6
@@ -47,16 +48,32 @@ class Line:
 def measure(plane: Array, layout: Layout) -> tuple[list[Line], Layout]:
     """All lines of a picture (h, w) with values 0 to 1, and the layout they show."""
     noise = Noise(RELATIVE_NOISE * 0.02, RELATIVE_NOISE)
+    layout = _first_look(plane, layout, noise)
     lines: list[Line] = []
     for _ in range(PASSES):
         lines = _all_lines(plane, layout, noise)
-        noise = learn_noise([line.bars for line in lines], noise)
+        noise = learn_noise([line.bars for line in lines])
         layout = _renewed(layout, lines)
     return lines, layout
 
 
+def _first_look(plane: Array, layout: Layout, noise: Noise) -> Layout:
+    """The layout with blur and contrast of its innermost rings, whose lines are the broadest."""
+    looks = [_ring_line(plane, layout, number, noise, _step(layout)) for number in FIRST_RINGS if number <= len(layout.rings)]
+    seen = [line for line in looks if line is not None]
+    if not seen:
+        return layout
+    blur, contrast = (float(np.mean([getattr(line.bars, name) for line in seen])) for name in ("blur", "contrast"))
+    return replace(layout, blur=blur, contrast=contrast)
+
+
+def _step(layout: Layout) -> float:
+    """Length [px] of the bins."""
+    return max(LEAST_STEP, 2 * np.pi * layout.rings[-1].radius.coefficients[0] / MOST_BINS)
+
+
 def _all_lines(plane: Array, layout: Layout, noise: Noise) -> list[Line]:
-    step = max(LEAST_STEP, 2 * np.pi * layout.rings[-1].radius.coefficients[0] / MOST_BINS)
+    step = _step(layout)
     lines: list[Line | None] = [
         _ring_line(plane, layout, number, noise, step) for number in range(1, len(layout.rings) + 1)
     ]
@@ -112,7 +129,7 @@ def _fitted(
     broad = float(np.median(expected)) > BROAD * layout.blur
     start = Start(expected, layout.blur, layout.contrast, CONTRAST_SIGMA if broad else SAME_INK)
     bars = fit_bars(strip, along, start, noise)
-    shift = bars.blur**2 / 2 * curve.at(curve.bend, strip.middle)
+    shift = bars.blur**2 * (curve.at(curve.bend, strip.middle) / 2 + along @ bars.slope)
     direction = curve.at(curve.normal, strip.middle)
     direction /= np.hypot(*direction.T)[:, None]
     place = curve.at(curve.point, strip.middle) + (bars.place + shift)[:, None] * direction

@@ -17,13 +17,15 @@ FAINTEST = 0.012
 """Curvature across a line, of relative brightness per working px^2, below which it is noise or paper."""
 STRAIGHTEST = 0.5
 """A line bends much less along itself than across: the ratio of both curvatures is at most this."""
-MOST_POINTS, MOST_VOTERS = 12000, 1500
+FEWEST_POINTS, MOST_POINTS, MOST_VOTERS = 50, 12000, 3000
+CANDIDATES, APART = 5, 10
+"""Centres that are tried, working px between them."""
 BEYOND = 0.3
 """The centre is looked for beyond the picture's edges too, by this fraction of its size, to say that it is there."""
 VOTE_SOFTNESS = 2.0
 """Gaussian [working px] over which votes for a centre agree."""
-NEAR = 12.0
-"""Working px: votes weigh as 1 / (distance + this); nearby lines tell more exactly where the centre is."""
+NEAR, REACH = 12.0, 160.0
+"""Working px: votes weigh as 1 / (distance + `NEAR`) up to `REACH`; nearby lines tell better where the centre is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,27 +70,35 @@ def find_ridges(plane: Array) -> Ridges:
     return Ridges((point + 0.5) * scale - 0.5, normal[row, column], scale, (plane.shape[1], plane.shape[0]))
 
 
-def vote_for_centre(ridges: Ridges) -> Array | None:
-    """Where (2,) [px] the normals of rings and the directions of spokes meet; None where there is nothing to see."""
+def likely_centres(ridges: Ridges) -> list[Array]:
+    """Places (2,) [px] where normals of rings and directions of spokes meet, the likeliest first."""
+    if len(ridges.point) < FEWEST_POINTS:
+        return []
+    agreed, margin = _votes(ridges)
+    centres = []
+    for _ in range(CANDIDATES):
+        row, column = np.unravel_index(int(np.argmax(agreed)), agreed.shape)
+        centres.append((np.array([column, row]) - margin + 0.5) * ridges.scale - 0.5)
+        agreed[max(row - APART, 0) : row + APART + 1, max(column - APART, 0) : column + APART + 1] = 0
+    return centres
+
+
+def _votes(ridges: Ridges) -> tuple[Array, Array]:
+    """How many lines agree on each working pixel of the picture and a margin (2,) round it."""
     from scipy.ndimage import gaussian_filter
 
-    if len(ridges.point) < 50:
-        return None
     size = np.array(ridges.size) / ridges.scale
-    margin = BEYOND * size
+    margin = np.rint(BEYOND * size)
     cells = np.ceil(size + 2 * margin).astype(int)
-    reach = np.arange(-np.hypot(*cells), np.hypot(*cells), 1.5, dtype=np.float32)
-    votes = np.zeros(cells[0] * cells[1])
+    reach = np.arange(-REACH, REACH, 1.5, dtype=np.float32)
+    weight = 1 / (np.abs(reach) + NEAR)
     voters = np.unique(np.linspace(0, len(ridges.point) - 1, MOST_VOTERS).astype(int))
     normal = ridges.normal[voters].astype(np.float32)
-    along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
     start = ((ridges.point[voters] + 0.5) / ridges.scale - 0.5 + margin).astype(np.float32)
-    weight = 1 / (np.abs(reach) + NEAR)
-    for direction in (normal, along):
+    votes = np.zeros(cells[0] * cells[1])
+    for direction in (normal, np.stack([-normal[:, 1], normal[:, 0]], axis=1)):
         place = np.rint(start[:, None] + reach[:, None] * direction[:, None]).astype(np.int32)
         inside = np.all((place >= 0) & (place < cells), axis=2)
         cell = place[..., 1] * cells[0] + place[..., 0]
         votes += np.bincount(cell[inside], np.broadcast_to(weight, inside.shape)[inside], minlength=votes.size)
-    agreed = gaussian_filter(votes.reshape(cells[1], cells[0]), VOTE_SOFTNESS)
-    row, column = np.unravel_index(int(np.argmax(agreed)), agreed.shape)
-    return (np.array([column, row]) - margin + 0.5) * ridges.scale - 0.5
+    return gaussian_filter(votes.reshape(cells[1], cells[0]), VOTE_SOFTNESS), margin

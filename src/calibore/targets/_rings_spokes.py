@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from calibore.targets._marks import Array
 from calibore.targets._rings_ridges import Ridges
 
-NEAREST, FARTHEST = 6.0, 120.0
+NEAREST, FARTHEST = 6.0, 80.0
 """Working px from the centre between which spokes are counted."""
 CELL = 2.0
 """Working px: a spoke is a run of such cells that are mostly filled."""
 BEAM = 3.0
 """Working px to both sides of a direction from the centre within which points count for it."""
-FILLED = 0.45
+FILLED = 0.4
 """Fraction of the cells of a spoke that hold points of it; rings interrupt it."""
 SHORTEST = 12.0
 """Working px of a direction that must lie in the picture for it to be judged."""
@@ -113,18 +113,17 @@ def _peaks(share: Array) -> NDArray[np.intp]:
     """The middles of the runs of directions that are the fullest within `APART`."""
     reach = int(APART / (2 * np.pi) * DIRECTIONS)
     around = np.max([np.roll(share, shift) for shift in range(-reach, reach + 1)], axis=0)
-    best = np.flatnonzero((share >= FILLED) & (share >= around))
-    if best.size == 0:
-        return best
-    start = np.flatnonzero(np.diff(best, prepend=best[-1] - DIRECTIONS) > reach)
-    runs = np.split(best, start[1:] if start.size else [])
-    if start.size and start[0] > 0:
-        runs = np.split(np.roll(best, -start[0]), np.cumsum(np.diff(np.append(start, start[0] + best.size)))[:-1])
-    return np.array([int(run[len(run) // 2]) for run in runs])
+    best = (share >= FILLED) & (share >= around)
+    if best.all() or not best.any():
+        return np.zeros(0, dtype=np.intp)
+    turned = int(np.flatnonzero(~best)[0])
+    places = np.flatnonzero(np.roll(best, -turned))
+    runs = np.split(places, np.flatnonzero(np.diff(places) > reach) + 1)
+    return np.array([(int(run[0] + run[-1]) // 2 + turned) % DIRECTIONS for run in runs])
 
 
 def _inner_line(ridges: Ridges, centre: Array, azimuth: float) -> tuple[Array, Array]:
-    """A point and the unit direction of the straight inner stretch of the spoke at `azimuth`."""
+    """Where the spoke at `azimuth` passes the centre, and its unit direction there."""
     distance, turn, passing = _relative(ridges, centre)
     beside = np.abs((turn - azimuth + np.pi) % (2 * np.pi) - np.pi) * distance
     scale = ridges.scale
@@ -133,7 +132,7 @@ def _inner_line(ridges: Ridges, centre: Array, azimuth: float) -> tuple[Array, A
     point = ridges.point[member]
     along, across = _axes(azimuth)
     s, t = (point - centre) @ along, (point - centre) @ across
-    offset, slope = _robust_polynomial(s, t, 1, scale)
+    offset, slope, _ = _robust_polynomial(s, t, 2, scale)
     direction = along + slope * across
     return centre + offset * across, direction / np.hypot(*direction)
 

@@ -1,0 +1,129 @@
+"""Kind "concentric-rings": lens law, k, D, centre and small misalignment from photographs (Swanbom 2007, 6.2).
+
+All marks on all rings and spokes of all photographs are fitted together: the camera, and the target's place in each.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.calibration._calibration import Calibration
+from calibore.calibration._lens_models import lens_models
+from calibore.calibration._pupil_target import input_file
+from calibore.calibration._rings_choice import recommended, tried
+from calibore.calibration._rings_fit import RingFit, fit_all, fit_lens, stretches
+from calibore.calibration._rings_model import Printed, target_names
+from calibore.calibration._rings_pictures import RingPictures, read_ring_pictures
+from calibore.calibration._rings_result import Outcome, comparison_of, observations_of, outcome_of, valid_region
+from calibore.calibration._rings_sight import Sight
+from calibore.calibration._rings_start import ring_radii
+from calibore.calibration._rings_words import check, findings, warnings
+from calibore.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | None = None) -> Calibration:
+    """Camera and plane of light from the photographs that `path`, a target.toml or its folder, names: the plane is
+    where the target stood in the first one. `progress(done, total)` counts photographs and lens models.
+
+    Raises InputError saying which evidence is missing: target not found, too few rings, a view too narrow to tell k
+    from D, a perspective lens.
+    """
+    count = _Count(progress)
+    pictures = read_ring_pictures(path, progress=count.of_photographs)
+    outcome = evaluated(sight_of(pictures), pictures.target.lens, done=count.another)
+    check(outcome, pictures)
+    fit = outcome.ring_fit.fit
+    names = outcome.covariance.names
+    return Calibration(
+        kind=pictures.target.kind,
+        rig=outcome.rig,
+        camera=outcome.rig.camera,
+        values={name: fit.value(name) for name in names},
+        covariance=outcome.covariance,
+        degrees_of_freedom=fit.degrees_of_freedom,
+        noise=fit.noise,
+        group_sigma=fit.group_sigma,
+        files=(*pictures.files, input_file(pictures.toml)),
+        observations=observations_of(outcome, pictures.used),
+        valid=valid_region(outcome),
+        models=tuple(comparison_of(trial, outcome.chosen, outcome.trials) for trial in outcome.trials),
+        settings={"target": _place(outcome)},
+        findings=tuple(findings(outcome, pictures)),
+        warnings=tuple(warnings(outcome, pictures)),
+    )
+
+
+def sight_of(pictures: RingPictures) -> Sight:
+    """All marks, and what target.toml says."""
+    target = pictures.target
+    ink = _ink_width(pictures) if target.ink_width is None else target.ink_width
+    return Sight(
+        printed=Printed(pictures.radii, target.spokes, ink),
+        marks=pictures.marks,
+        size=pictures.size,
+        nominal_baseline=target.nominal_baseline,
+        u_ring=target.u_ring,
+        principal_point=target.principal_point,
+        u_baseline=target.u_baseline,
+        square=target.square_pixels,
+    )
+
+
+def evaluated(sight: Sight, law: str | None = None, *, done: Callable[[int], None] = lambda total: None) -> Outcome:
+    """All lenses, or those of one `law`, fitted and compared, and what follows from the recommended one."""
+    lenses = lens_models(law)
+    short = stretches(sight)
+    short, fits = fit_all(short, lenses, done=lambda: done(len(lenses)))
+    trials = [tried(ring_fit, short) for ring_fit in fits.values()]
+    chosen = recommended(trials)
+    final = _resistant(short, chosen.ring_fit)
+    return outcome_of(final, chosen, trials, short)
+
+
+def _resistant(sight: Sight, ring_fit: RingFit) -> RingFit:
+    """The same lens once more, without the stretches that disagree."""
+    try:
+        return fit_lens(sight, ring_fit.lens, start=ring_fit.fit.values, robust=True)
+    except InputError:
+        return ring_fit
+
+
+def _ink_width(pictures: RingPictures) -> float:
+    """Of the lines [m], as wide as they look beside the distance from ring to ring; 0 where their width is unknown."""
+    found = []
+    for marks in pictures.marks:
+        printed, image = ring_radii(marks, pictures.radii)
+        per_metre = np.gradient(image, printed)
+        for radius, scale in zip(printed, per_metre, strict=True):
+            on_ring = np.isclose(pictures.radii[np.maximum(marks.ring, 1) - 1], radius) & (marks.ring > 0)
+            if marks.width is not None:
+                found.append(float(np.median(marks.width[on_ring])) / scale)
+    return float(np.median(found)) if found else 0.0
+
+
+def _place(outcome: Outcome) -> dict[str, float]:
+    """Where on the plane the target was in the first photograph, and its lines' width, SI."""
+    names = [name for name in target_names(0) if name.startswith("target.")]
+    place = {name.removeprefix("target."): outcome.ring_fit.fit.value(name) for name in names}
+    return {**place, "ink_width": outcome.sight.printed.ink_width}
+
+
+class _Count:
+    """Photographs, then lens models, told as one count."""
+
+    def __init__(self, progress: Callable[[int, int], None] | None) -> None:
+        self._progress, self._photographs, self._models = progress, 0, 0
+
+    def of_photographs(self, done: int, total: int) -> None:
+        self._photographs = total
+        if self._progress is not None:
+            self._progress(done, total + len(lens_models()))
+
+    def another(self, total: int) -> None:
+        self._models += 1
+        if self._progress is not None:
+            self._progress(self._photographs + self._models, self._photographs + total)

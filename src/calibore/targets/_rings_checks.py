@@ -1,0 +1,158 @@
+"""Pictures that cannot be used, and why: exposure, sharpness, what of the target is in the picture and what is counted."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import ImageError
+from calibore.targets._marks import Array
+from calibore.targets._rings_chains import Dips
+from calibore.targets._rings_spokes import Spoke
+
+SMALLEST = 200
+"""px: the shorter side of a picture that can show a target."""
+SATURATED = 0.02
+"""Fraction of the bright pixels that may be at full scale."""
+FULL_SCALES = (255, 1023, 4095, 16383, 65535)
+"""Of sensors with 8, 10, 12, 14 and 16 bit."""
+SEEN = 0.15
+"""A ring counts where it was seen on this fraction of the rays."""
+FEWEST_RINGS = 3
+WHOLE = 0.6
+"""The innermost rings must be seen on this fraction of their way round, and of half of that in each quadrant."""
+WHOLE_RINGS = 2
+BORDER = 1
+"""A target may have so many more rings than stated: its border."""
+JUMP = (0.45, 1.7)
+"""The distance from ring to ring changes by less than these factors at a step."""
+PLAIN = 12.0
+"""px: where the next ring would be at least so far away, it could not be overlooked."""
+EXPECTED = 0.5
+"""Fraction of the rays on which a ring that is not seen would have to be in the picture to be missed."""
+
+
+def picture_of_target(image: NDArray[Any]) -> Array:
+    """The brightness (h, w) of a picture as fractions of full scale; refuses what is no picture or over-exposed."""
+    if image.ndim not in (2, 3) or image.dtype not in (np.uint8, np.uint16) or min(image.shape[:2]) < SMALLEST:
+        raise ImageError(
+            f"A ring target needs a picture of at least {SMALLEST} x {SMALLEST} px with 8 or 16 bit, "
+            f"got {' x '.join(map(str, image.shape[:2]))} {image.dtype}."
+        )
+    image = image[..., :3] if image.ndim == 3 else image
+    brightest = int(image.max())
+    if brightest in FULL_SCALES:
+        bright = image > brightest / 2
+        part = float((image == brightest).sum() / bright.sum())
+        if part > SATURATED:
+            raise ImageError(
+                f"The picture is over-exposed: {100 * part:.0f} % of its bright pixels are at full scale "
+                f"({brightest}); photograph the target with a shorter exposure."
+            )
+    plane = image if image.ndim == 2 else image.mean(axis=2)
+    return plane / float(np.iinfo(image.dtype).max)
+
+
+def chosen_spokes(tries: list[tuple[Spoke, ...]], size: tuple[int, int], stated: int) -> tuple[Spoke, ...]:
+    """The spokes round the likeliest of several centres; refuses a picture (width, height) without target."""
+    for spokes in tries:
+        if len(spokes) == stated and _inside(spokes[0].centre, size):
+            return spokes
+    best = max(tries, key=len, default=())
+    if len(best) < 2:
+        raise ImageError(
+            "No ring target was found: nowhere do dark spokes meet on a lighter ground. Photograph the whole target, "
+            "in focus, evenly lit, with its centre in the picture."
+        )
+    u, v = best[0].centre
+    if not _inside(best[0].centre, size):
+        raise ImageError(
+            f"The target's centre lies outside the picture, at about u = {u:.0f} px, v = {v:.0f} px of "
+            f"{size[0]} x {size[1]} px; move it into the middle half of the picture."
+        )
+    raise ImageError(
+        f"{len(best)} spokes were found to meet at u = {u:.0f} px, v = {v:.0f} px where {stated} are stated; correct "
+        "spokes in target.toml, or photograph the target in focus, evenly lit and with nothing before it."
+    )
+
+
+def _inside(centre: Array, size: tuple[int, int]) -> bool:
+    return bool(0 <= centre[0] <= size[0] - 1 and 0 <= centre[1] <= size[1] - 1)
+
+
+def counted_rings(dips: Dips, stated: int) -> int:
+    """How many rings from the inside can be used; refuses counts that contradict what is stated, and gaps."""
+    seen = np.bincount(dips.ring, minlength=stated + 2)[1:] >= SEEN * dips.azimuths.size
+    count = int(np.argmin(np.append(seen, False)))
+    if count < min(FEWEST_RINGS, stated):
+        raise ImageError(
+            f"Only {count} rings of the target could be told apart; photograph it in focus, evenly lit and nearer, so "
+            f"that at least {FEWEST_RINGS} whole rings are seen."
+        )
+    _refuse_one_sided(dips, min(WHOLE_RINGS, count))
+    _refuse_gaps(dips, count)
+    if count > stated + BORDER:
+        raise ImageError(
+            f"{count} rings were found where {stated} are stated; correct rings in target.toml, which counts all rings "
+            "but a border."
+        )
+    if count < stated:
+        _refuse_absence(dips, count, stated)
+    return min(count, stated)
+
+
+def _refuse_one_sided(dips: Dips, rings: int) -> None:
+    rays = dips.azimuths.size
+    for ring in range(1, rings + 1):
+        seen = np.zeros(rays, dtype=bool)
+        seen[dips.ray[dips.ring == ring]] = True
+        seen |= dips.hidden[ring - 1]
+        quadrants = seen.reshape(4, -1).mean(axis=1)
+        if seen.mean() < WHOLE or quadrants.min() < WHOLE / 2:
+            towards = ("lower right", "lower left", "upper left", "upper right")[int(quadrants.argmin())]
+            raise ImageError(
+                f"Ring {ring} is seen on only {100 * seen.mean():.0f} % of its way round, least towards the {towards}; "
+                f"photograph the target so that at least {WHOLE_RINGS} whole rings and parts of the others on all "
+                "sides are in the picture."
+            )
+
+
+def _refuse_gaps(dips: Dips, count: int) -> None:
+    """Refuses rings whose distances jump: one between them was not seen, or something else was taken for a ring."""
+    radius = _radii(dips, count)
+    steps = np.diff(radius, axis=0, prepend=0.0)
+    with np.errstate(invalid="ignore"):
+        change = steps[1:] / steps[:-1]
+    for ring, ratios in enumerate(change, 1):
+        if np.isfinite(ratios).sum() < SEEN / 2 * dips.azimuths.size:
+            continue
+        typical = float(np.nanmedian(ratios))
+        following = float(np.nanmedian(change[ring])) if ring < len(change) else typical
+        if not JUMP[0] * min(1.0, following) < typical < JUMP[1]:
+            raise ImageError(
+                f"The distance between rings changes by a factor of {typical:.2f} at ring {ring}: a ring was missed "
+                "or something else was taken for one; photograph the target evenly lit, with nothing before it."
+            )
+
+
+def _refuse_absence(dips: Dips, count: int, stated: int) -> None:
+    """Refuses a picture in which the next ring would have to be seen, were there one."""
+    radius = _radii(dips, count)
+    last, before = radius[-1] - radius[-2], radius[-2] - (radius[-3] if count > 2 else 0)
+    step = last * np.clip(last / before, JUMP[0], 1.0)
+    with np.errstate(invalid="ignore"):
+        plain = (step > PLAIN) & (radius[-1] + 1.5 * step < dips.frame)
+    if np.isfinite(step).any() and plain.mean() > EXPECTED:
+        raise ImageError(
+            f"{count} rings were found where {stated} are stated, and there is none further out; correct rings in "
+            "target.toml, or light the target evenly."
+        )
+
+
+def _radii(dips: Dips, count: int) -> Array:
+    """Radius (rings, rays) [px], NaN where a ring was not seen."""
+    radius = np.full((count, dips.azimuths.size), np.nan)
+    for ring in range(1, count + 1):
+        member = dips.ring == ring
+        radius[ring - 1, dips.ray[member]] = dips.radius[member]
+    return radius
