@@ -46,7 +46,7 @@ def test_a_lens_that_no_model_describes_shows():
 def test_more_or_quieter_pictures_bring_halves_below_the_limit():
     found = halves(board_calibration(6, boards=30, noise=0.05))
     assert found.agree
-    assert "within the 0.2 px" in found.verdict
+    assert "within the 0.2 px" in found.verdict()
 
 
 def test_on_the_wall_too():

@@ -1,7 +1,7 @@
 """From pictures of known things to parameters with covariance, and to the evidence that they can be trusted.
 
 `Calibration`   what was found: rig or camera, covariance, model comparison, valid region, evidence
-`calibrate`     the calibration that a target.toml asks for
+`calibrate`     the calibration that a target.toml asks for; `calibrate_boards`, `calibrate_pupil`, `calibrate_probe`, `calibrate_profile`
 `write_calibration`, `read_calibration`   its FILE, a rig file or the part of one, and its evidence beside it
 `check_calibration_file`   whether a FILE may be written, before any work
 `recomputed_covariance`, `verify_inputs`   whether FILE, evidence and inputs still agree
@@ -10,6 +10,7 @@
 `plan`          -> `Plan`: which picture of a target to take next; `read_planned_target`
 """
 
+from calibore.calibration._boards import calibrate_boards
 from calibore.calibration._calibration import Calibration, Comparison, InputFile, Observations
 from calibore.calibration._difference import Difference, difference
 from calibore.calibration._dispatch import calibrate
@@ -17,6 +18,7 @@ from calibore.calibration._evidence_covariance import recomputed_covariance
 from calibore.calibration._file import check_calibration_file, read_calibration, verify_inputs, write_calibration
 from calibore.calibration._file_units import unit_of_parameter
 from calibore.calibration._halves import Halves, halves
+from calibore.calibration._in_situ import calibrate_profile
 from calibore.calibration._on_the_wall import WallMap, WallUncertainty, wall_map, wall_uncertainty
 from calibore.calibration._planning import Plan, Step, plan
 from calibore.calibration._planning_shots import Shot
@@ -28,7 +30,9 @@ from calibore.calibration._planning_targets import (
     PlannedTarget,
     read_planned_target,
 )
+from calibore.calibration._probe import calibrate_probe
 from calibore.calibration._projection import ProjectionUncertainty, projection_uncertainty
+from calibore.calibration._pupil import calibrate_pupil
 
 __all__ = [
     "Calibration",
@@ -49,6 +53,10 @@ __all__ = [
     "WallMap",
     "WallUncertainty",
     "calibrate",
+    "calibrate_boards",
+    "calibrate_probe",
+    "calibrate_profile",
+    "calibrate_pupil",
     "check_calibration_file",
     "difference",
     "halves",

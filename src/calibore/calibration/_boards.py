@@ -11,9 +11,16 @@ from calibore.calibration._boards_findings import findings_of, warnings_of
 from calibore.calibration._boards_fit import BoardFit, fit_boards
 from calibore.calibration._boards_models import Trial, board_models, comparison_table, recommended, tried_models
 from calibore.calibration._boards_pictures import BoardPictures, Progress, read_board_pictures
-from calibore.calibration._boards_sufficiency import check_count, check_identified, check_poses
+from calibore.calibration._boards_sufficiency import (
+    check_count,
+    check_fit,
+    check_identified,
+    check_poses,
+    leaning_on_law,
+)
 from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._evidence import of_fit
+from calibore.errors import InputError
 from calibore.uncertainty import Covariance
 
 
@@ -49,11 +56,15 @@ def calibration_of(pictures: BoardPictures, *, done: Callable[[], None] = lambda
     """The same from marks already found; `done` is called after each model."""
     check_count(pictures, len(pictures.marks))
     data, starts, pictures = agreeing_boards(pictures)
-    check_poses(min(starts, key=lambda start: start.rms), pictures)
+    check_poses(data, min(starts, key=lambda start: start.rms), pictures)
     trials = tried_models(data, board_models(pictures.target.lens), starts, done=done)
-    chosen = recommended(trials)
-    assert chosen.estimate is not None
-    found = fit_boards(data, chosen.estimate)
+    try:
+        chosen = recommended(trials)
+        check_fit(chosen)
+        assert chosen.estimate is not None
+        found = fit_boards(data, chosen.estimate)
+    except InputError as error:
+        raise InputError(f"{pictures.toml}: {error}") from error
     check_identified(found, pictures)
     return _calibration(found, pictures, trials, chosen)
 
@@ -63,6 +74,8 @@ def _calibration(found: BoardFit, pictures: BoardPictures, trials: list[Trial], 
     valid = valid_region(found.data, camera)
     files = pictures.files
     u, v = np.repeat(found.data.pixel, 2, axis=0).T
+    table = comparison_table(trials, chosen)
+    polynomials = [row for row in table if row.model.startswith("polynomial")]
     return Calibration(
         kind=pictures.target.kind,
         rig=None,
@@ -77,9 +90,11 @@ def _calibration(found: BoardFit, pictures: BoardPictures, trials: list[Trial], 
             file=np.repeat(np.array(pictures.used, dtype=np.intp)[found.data.owner], 2), u=u, v=v, **of_fit(fit)
         ),
         valid=valid,
-        models=comparison_table(trials, chosen),
+        models=table,
         findings=findings_of(found, pictures, trials, chosen, valid),
-        warnings=warnings_of(found, files, coverage_warnings(found.data, camera, valid)),
+        warnings=warnings_of(
+            found, files, [*leaning_on_law(found, polynomials), *coverage_warnings(found.data, camera, valid)]
+        ),
     )
 
 

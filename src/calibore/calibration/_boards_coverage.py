@@ -48,7 +48,9 @@ def coverage_warnings(data: BoardData, camera: Camera, valid: ValidRegion) -> li
     side = np.rint(turn / (np.pi / 2)).astype(int) % 4
     empty = [name for number, name in enumerate(SIDES) if np.mean(side == number) < LEAST_SHARE]
     if empty:
-        warnings.append(f"hardly any marks in the {' and '.join(empty)} part of the picture; photograph the board there.")
+        warnings.append(
+            f"hardly any marks in the {' and '.join(empty)} part of the picture; photograph the board there."
+        )
     return warnings
 
 

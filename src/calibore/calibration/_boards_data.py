@@ -71,9 +71,7 @@ class BoardData:
     def only(self, marks: Mask) -> "BoardData":
         """With some of the marks (n,); boards are counted anew."""
         owner = np.unique(self.owner[marks], return_inverse=True)[1]
-        return replace(
-            self, pixel=self.pixel[marks], place=self.place[marks], sigma=self.sigma[marks], owner=owner
-        )
+        return replace(self, pixel=self.pixel[marks], place=self.place[marks], sigma=self.sigma[marks], owner=owner)
 
     def of_boards(self, boards: Mask) -> "BoardData":
         return self.only(boards[self.owner])

@@ -144,7 +144,11 @@ def why_not(trial: Trial, best: Trial, fitted: Sequence[Trial]) -> str:
         return f"strong evidence against it: BIC {evidence:.0f} above the best"
     loss = trial.left_out - best.left_out
     error = float(np.std(loss, ddof=1) / np.sqrt(loss.size))
-    return f"predicts boards left out worse, by {loss.mean() / error:.1f} standard errors" if loss.mean() > WORSE * error else ""
+    return (
+        f"predicts boards left out worse, by {loss.mean() / error:.1f} standard errors"
+        if loss.mean() > WORSE * error
+        else ""
+    )
 
 
 def comparison_table(trials: Sequence[Trial], chosen: Trial) -> tuple[Comparison, ...]:

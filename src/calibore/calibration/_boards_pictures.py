@@ -101,7 +101,9 @@ def read_board_pictures(path: Path, *, progress: Callable[[int, int], None] | No
     found: list[BoardMarks | str] = []
     sizes: dict[tuple[int, int], Path] = {}
     with ThreadPoolExecutor(min(WORKERS, os.cpu_count() or 1)) as workers:
-        for file, (marks, size) in zip(photographs, workers.map(lambda file: _seen(file, board), photographs), strict=True):
+        for file, (marks, size) in zip(
+            photographs, workers.map(lambda file: _seen(file, board), photographs), strict=True
+        ):
             found.append(marks)
             if size is not None:
                 sizes.setdefault(size, file)

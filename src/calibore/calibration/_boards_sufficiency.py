@@ -1,23 +1,36 @@
 """Whether the pictures can answer at all: how many, how differently the board was held, what cannot be told apart."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._boards_bundle import Estimate
-from calibore.calibration._boards_data import rotations
+from calibore.calibration._boards_data import BoardData, rotations
 from calibore.calibration._boards_fit import BoardFit
+from calibore.calibration._boards_models import Trial
 from calibore.calibration._boards_pictures import BoardPictures
-from calibore.calibration._lens_models import CENTRE
+from calibore.calibration._boards_start import started_like
+from calibore.calibration._calibration import Comparison
+from calibore.calibration._lens_models import CENTRE, LensModel
 from calibore.errors import InputError
 
 Array = NDArray[np.float64]
 
 FEWEST = 4
 """Three poses determine a camera; the fourth is the first that can contradict."""
-ADVICE = "photograph the board 12 to 20 times, tilted by 20 to 45 deg about both of its axes, in every part of the picture"
+ADVICE = (
+    "photograph the board 12 to 20 times, tilted by 20 to 45 deg about both of its axes, in every part of the picture"
+)
 SAME_TURN, SAME_PLACE = np.radians(3.0), 0.03
 """Poses that differ by less, the place as a part of the distance, tell the same."""
+FREE = LensModel("polynomial", ("polynomial_3", "polynomial_5"))
+ROUNDING = 1e-15  # relative: the direction that cannot be told apart shall count
 PARALLEL = np.radians(3.0)
+WORST_RMS = 3.0
+"""px: residuals beyond which the marks are not those of this board through any lens."""
+LEANING = 0.005
+"""Relative standard uncertainty of k with a free polynomial, beyond which a law that makes it much less is told."""
 LOOSE_K, LOOSE_CENTRE = 0.02, 0.02
 """Relative standard uncertainty of k, and of the principal point in widths of the picture, beyond which the answer is
 none: a fiftieth is what a data sheet knows."""
@@ -34,8 +47,8 @@ def check_count(pictures: BoardPictures, usable: int) -> None:
     )
 
 
-def check_poses(estimate: Estimate, pictures: BoardPictures) -> None:
-    """Raises InputError where all pictures show the board alike, or parallel to each other."""
+def check_poses(data: BoardData, estimate: Estimate, pictures: BoardPictures) -> None:
+    """Raises InputError where all pictures show the board alike, or tilted alike."""
     count, distinct = len(estimate.poses), distinct_poses(estimate.poses)
     if distinct < FEWEST - 1:
         poses = "one pose" if distinct == 1 else f"{distinct} poses"
@@ -46,9 +59,24 @@ def check_poses(estimate: Estimate, pictures: BoardPictures) -> None:
     tilt = widest_tilt(estimate.poses)
     if tilt < PARALLEL:
         raise InputError(
-            f"{pictures.toml}: the board is parallel to itself within {np.degrees(tilt):.1f} deg in all {count} photographs: "
-            f"k and its distance cannot be told apart (correlation 1.000); {ADVICE}."
+            f"{pictures.toml}: the board was held at one tilt, within {np.degrees(tilt):.1f} deg, in all {count} photographs: k and "
+            f"its distance cannot be told apart (correlation {distance_correlation(data, estimate):.4f}); {ADVICE}."
         )
+
+
+def distance_correlation(data: BoardData, estimate: Estimate) -> float:
+    """Largest correlation of k with the distance of a board, the lens being free to follow no law."""
+    free = started_like(FREE, estimate)
+    found = data.predicted(free.camera, free.poses, free.bends)
+    shared = found.by_camera[:, :, [free.camera.parameter_names.index(name) for name in free.names]]
+    jacobian = np.zeros((data.owner.size, 2, data.boards, 6))
+    jacobian[np.arange(data.owner.size), :, data.owner] = found.by_pose
+    rows = np.concatenate([shared, jacobian.reshape(data.owner.size, 2, -1)], axis=2).reshape(2 * data.owner.size, -1)
+    rows = rows / np.linalg.norm(rows, axis=0)
+    covariance = np.linalg.pinv(rows.T @ rows, rcond=ROUNDING, hermitian=True)
+    distance = len(free.names) + np.arange(5, 6 * data.boards, 6)
+    correlation = covariance[0, distance] / np.sqrt(covariance[0, 0] * covariance[distance, distance])
+    return float(np.abs(correlation).max())
 
 
 def distinct_poses(poses: Array) -> int:
@@ -88,6 +116,31 @@ def check_identified(found: BoardFit, pictures: BoardPictures) -> None:
         f"{pictures.toml}: {worst} is {known}: it cannot be told apart from {other} (correlation {correlation:.4f}); the boards "
         f"are tilted against each other by at most {np.degrees(widest_tilt(found.estimate.poses)):.0f} deg; {ADVICE}."
     )
+
+
+def check_fit(chosen: Trial) -> None:
+    """Raises InputError where even the best model is none."""
+    if chosen.rms > WORST_RMS:
+        raise InputError(
+            f"no lens model fits; the best one, {chosen.model.name}, leaves {chosen.rms:.1f} px (rms). Check corners "
+            "and square, and that one flat board was photographed with one camera at one setting."
+        )
+
+
+def leaning_on_law(found: BoardFit, free: Sequence[Comparison]) -> list[str]:
+    """A warning where k is only known because the lens is taken to follow its law exactly; `free`: polynomials tried."""
+    known = [row.estimates["camera.k"] for row in free if row.parameters >= len(found.camera_names) and row.estimates]
+    if not known:
+        return []
+    loose = min(quantity.u / quantity.value for quantity in known)
+    tight = found.u("camera.k") / found.fit.value("camera.k")
+    if not loose > max(LEANING, 3 * tight):
+        return []
+    tilt = np.degrees(widest_tilt(found.estimate.poses))
+    return [
+        f"k rests on the lens following its law: a free polynomial would leave it uncertain by {100 * loose:.2g} %; the boards "
+        f"are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
+    ]
 
 
 def _partner(found: BoardFit, name: str) -> tuple[str, float]:

@@ -60,8 +60,13 @@ def compare_directions(a: Side, b: Side) -> tuple[DirectionDifference, Evidence]
     first, second = (one + turns[1] @ turns_against(one, turns[1], implied.weights) for one in motions)
     linear = _linear(a, b, slopes[0], turns[1], implied) if alike(a, b) else difference
     count = u.size
-    parts = (x.reshape(2 * count, -1) for x in (first, second))
-    evidence = Evidence(difference.ravel(), linear.ravel(), *parts, (a.degrees_of_freedom, b.degrees_of_freedom))
+    evidence = Evidence(
+        difference.ravel(),
+        linear.ravel(),
+        first.reshape(2 * count, -1),
+        second.reshape(2 * count, -1),
+        (a.degrees_of_freedom, b.degrees_of_freedom),
+    )
     found = DirectionDifference(
         u,
         v,

@@ -62,6 +62,12 @@ def camera_values(camera: Camera) -> dict[str, float]:
 
 
 def alike(a: Side, b: Side) -> bool:
-    """Whether both are described by the same parameters, so that these can be compared one by one."""
+    """Whether both cameras are described by the same parameters, so that these can be compared one by one."""
     first, second = a.camera.lens, b.camera.lens
-    return (first.law, first.half_height) == (second.law, second.half_height) and set(a.values) == set(b.values)
+    same = (first.law, first.half_height) == (second.law, second.half_height)
+    return same and a.camera.parameter_names == b.camera.parameter_names
+
+
+def alike_rigs(a: Side, b: Side) -> bool:
+    """The same of the whole rigs."""
+    return alike(a, b) and set(a.values) == set(b.values)

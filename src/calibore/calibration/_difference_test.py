@@ -39,9 +39,10 @@ class Evidence(NamedTuple):
 
     def beside(self, other: "Evidence") -> "Evidence":
         """Both together, each in units of what it lets expect."""
-        a, b = ((one, one.expected or 1.0) for one in (self, other))
-        parts = (np.concatenate([x / a[1], y / b[1]]) for x, y in zip(a[0][:4], b[0][:4], strict=True))
-        return Evidence(*parts, self.degrees_of_freedom)
+        parts = zip(self[:4], other[:4], strict=True)
+        sizes = self.expected or 1.0, other.expected or 1.0
+        both = [np.concatenate([x / sizes[0], y / sizes[1]]) for x, y in parts]
+        return Evidence(both[0], both[1], both[2], both[3], self.degrees_of_freedom)
 
 
 def judged(evidence: Evidence, *, curvature: float = 0.0) -> Judgement:

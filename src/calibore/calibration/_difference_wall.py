@@ -18,6 +18,8 @@ from calibore.uncertainty import coverage_factor
 Array = NDArray[Any]
 REACH = (0.6, 1.4)
 """Nominal radii between which walls are compared, where the calibrations do not limit them."""
+INNERMOST = 0.1
+"""Nominal radii nearer than which there is no wall to compare."""
 RADII = 9
 STEPS = 6
 FEWEST = 8
@@ -80,7 +82,7 @@ def compare_walls(a: Side, b: Side, radii: Array, nominal_radius: float) -> tupl
             "The two rigs see no common wall of the radii compared; give the nominal radius that they measure."
         )
     names = a.rig.parameter_names
-    slopes = (sum(seen.slopes) / 2,) * 2 if alike(a, b) else seen.slopes
+    slopes = ((seen.slopes[0] + seen.slopes[1]) / 2,) * 2 if alike(a, b) else seen.slopes
     first, second = (
         _without_shift(_motions(slope, one, names).reshape(*size, -1), clock, centred=centred)
         for slope, one in zip(slopes, (a, b), strict=True)
@@ -101,7 +103,7 @@ def compare_walls(a: Side, b: Side, radii: Array, nominal_radius: float) -> tupl
 def compared_radii(a: Side, b: Side, nominal_radius: float) -> Array:
     """(r,) [m], the nominal one among them: where both calibrations had points, else round the nominal one."""
     limits = [one.valid.radius for one in (a, b) if one.valid is not None and one.valid.radius is not None]
-    low = max((limit[0] for limit in limits), default=REACH[0] * nominal_radius)
+    low = max((*(limit[0] for limit in limits), (INNERMOST if limits else REACH[0]) * nominal_radius))
     high = min((limit[1] for limit in limits), default=REACH[1] * nominal_radius)
     if not low < high:
         return np.array([nominal_radius])

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._difference_sides import side_of
 from calibore.calibration._difference_test import Evidence, judged
+from calibore.calibration._in_words import Unit
 from calibore.calibration._on_the_wall import root_mean_square, wall_clocks, wall_slopes
 from calibore.calibration._projection import image_grid, implied_turns, projection_slopes, turns_against
 from calibore.errors import InputError
@@ -20,6 +21,7 @@ from calibore.rigs import Rig
 Array = NDArray[Any]
 WELL_BELOW = 0.2
 """px rms: halves that agree as well are one camera (mrcal)."""
+CHANCE = 0.01
 FEWEST = 4
 """Pictures from which on whole pictures are parted, not groups of marks."""
 LOST = 1e-9
@@ -49,15 +51,19 @@ class Halves(NamedTuple):
         """Within 0.2 px, mrcal's criterion."""
         return self.rms <= WELL_BELOW
 
-    @property
-    def verdict(self) -> str:
+    def verdict(self, unit: str = "mm") -> str:
+        """In sentences, lengths in "mm" or "in"."""
         what, first, second = self.parts
         asked = f"{first} {what} against {second}: {self.rms:.2g} px rms apart, {self.expected:.2g} px expected"
-        if self.p < 0.01:
+        if self.p < CHANCE:
             return (
                 f"{asked}. That is more than chance (p = {self.p:.1g}): the model does not describe this camera within "
                 "its stated uncertainty; try a lens with more parameters, and see which pictures have large residuals."
             )
+        if np.isfinite(self.wall_rms):
+            size = Unit.of_length(f"1 {unit}").size
+            apart, expected = (value / size for value in (self.wall_rms, self.wall_expected))
+            return f"{asked}; no more than chance. On the wall {apart:.2g} {unit} rms, {expected:.2g} {unit} expected."
         limit = "within" if self.agree else "but more than"
         return f"{asked}; no more than chance, {limit} the {WELL_BELOW} px that well-founded calibrations keep."
 
@@ -94,7 +100,8 @@ def halves(calibration: Calibration, *, nominal_radius: float | None = None) -> 
     inflation = _size(motions[3]) / _size(motions[2])
     count = 2 * pixels[0].size
     first, second, *_, found = (motion.reshape(count, -1) for motion in motions)
-    evidence = Evidence(found[:, 0], found[:, 0], inflation * first, inflation * second, (side.degrees_of_freedom,) * 2)
+    freedom = side.degrees_of_freedom, side.degrees_of_freedom
+    evidence = Evidence(found[:, 0], found[:, 0], inflation * first, inflation * second, freedom)
     wall = _on_wall(side.rig, names, change, [inflation * factor for factor in factors[:2]], nominal_radius)
     return Halves(
         *pixels,

@@ -98,8 +98,8 @@ def plan(
         state = state.told(informative[ranked[0].shot])
     found = state.covariance(known.names)
     radius = np.linspace(*REACH, RADII) * nominal_radius
-    curves = (wall_uncertainty(rig.knowing(one), radii=radius).mean for one in (known, found))
-    return Plan(nominal_radius, before, tuple(steps), ranking or (), radius, *curves, found)
+    now, then = (wall_uncertainty(rig.knowing(one), radii=radius).mean for one in (known, found))
+    return Plan(nominal_radius, before, tuple(steps), ranking or (), radius, now, then, found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def without_pose(rows: Array, beside: Array, beside_u: Array) -> Array:
     size = np.hypot(np.linalg.norm(beside, axis=0), prior)
     q, k = beside.shape[1], rows.shape[1]
     known = np.block([[beside / size, rows], [np.diag(prior / size), np.zeros((q, k))]])
-    return np.linalg.qr(known, mode="r")[q:, q:]
+    return np.asarray(np.linalg.qr(known, mode="r"))[q:, q:]
 
 
 def _u(wall: Array, factor: Array) -> float:

@@ -97,7 +97,7 @@ def _through_camera(rig: Rig, flat: _Flat, across: Array, kept: Array) -> tuple[
     rows = np.zeros((*by_camera.shape[:2], len(rig.parameter_names)))
     rows[:, :, -len(rig.camera.parameter_names) :] = by_camera
     beside = np.concatenate([turned, by_point], axis=2)
-    return rows.reshape(-1, rows.shape[2]), beside.reshape(-1, 6), by_point
+    return rows.reshape(-1, len(rig.parameter_names)), beside.reshape(-1, 6), by_point
 
 
 def _with_light(rig: Rig, rows: Array, beside: Array) -> Array:

@@ -139,15 +139,16 @@ class _AnyTarget(Document):
 
 
 def read_planned_target(path: Path | str) -> PlannedTarget:
-    """The target that `path`, target.toml or its folder, describes: rings, a board, gauges, or a flat on a slide. Raises
-    InputError where a plan can make nothing of it.
+    """The target that `path`, target.toml or its folder, describes: rings, a board, gauges, or a flat on a slide.
+
+    Raises InputError where a plan can make nothing of it.
     """
     path = Path(path)
     path = path / "target.toml" if path.is_dir() else path
     found = read_document(path, _AnyTarget)
     if found.kind == "concentric-rings":
-        known = {} if found.u_ring is None else {"u_ring": found.u_ring}
-        return PlannedRings(_needed(path, found, "ring_spacing"), _needed(path, found, "rings"), **known)
+        u_ring = found.u_ring or PlannedRings.u_ring
+        return PlannedRings(_needed(path, found, "ring_spacing"), _needed(path, found, "rings"), u_ring=u_ring)
     if found.kind in BOARDS:
         columns, rows = found.squares or _needed(path, found, "corners")
         less, staggered = int(found.squares is not None), found.kind.startswith("asymmetric")
@@ -155,8 +156,8 @@ def read_planned_target(path: Path | str) -> PlannedTarget:
     if found.kind == "range":
         step = _needed(path, found, "range_step")
         stops = (found.range_origin + step * np.arange(1, STEPS + 1)).tolist()
-        known = {} if found.u_range is None else {"u": found.u_range}
-        return PlannedFlats(tuple(stop for stop in stops if stop > 0), u_tilt=found.u_tilt, **known)
+        u = found.u_range or PlannedFlats.u
+        return PlannedFlats(tuple(stop for stop in stops if stop > 0), u=u, u_tilt=found.u_tilt)
     if found.kind == "ring-gauge" and found.look:
         return _gauges(found)
     raise InputError(

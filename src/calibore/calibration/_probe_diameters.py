@@ -9,7 +9,9 @@ Array = NDArray[np.float64]
 
 OUTLYING = 4.0
 """Standard deviations from the others at which a diameter is left out, if two others at least agree."""
-DOUBTFUL = 0.05
+CALM, FEW = 0.001, 3
+"""Up to so many others must agree among themselves, by chance at least as often as this."""
+DOUBTFUL = 0.01
 """Diameters that disagree by chance less often than this enlarge their uncertainty."""
 
 
@@ -72,8 +74,7 @@ def _outlier(each: Array, u: Array, kept: NDArray[np.bool_]) -> int | None:
     others = kept & (np.arange(each.size) != worst)
     mean = np.average(each[others], weights=u[others] ** -2)
     calm = _by_chance(float(np.sum(((each - mean) / u)[others] ** 2)), int(others.sum()) - 1)
-    few = int(others.sum()) < 4
-    return worst if off[worst] > OUTLYING and (calm > DOUBTFUL or not few) else None
+    return worst if off[worst] > OUTLYING and (calm > CALM or others.sum() > FEW) else None
 
 
 def _from_others(each: Array, u: Array, kept: NDArray[np.bool_]) -> Array:

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration, Observations
+from calibore.calibration._evidence import of_fit
+from calibore.calibration._evidence import of_fit
 from calibore.calibration._in_words import Unit
 from calibore.calibration._pupil_fit import PupilFit, fit_pupil
 from calibore.calibration._pupil_model import PUPIL, SLIDE, TURN
@@ -70,14 +72,18 @@ def _observations(found: PupilFit) -> Observations:
         file=seen.picture,
         u=seen.u,
         v=seen.v,
-        residual=fit.residuals,
-        sigma=fit.sigma,
-        weight=fit.weights,
-        group=2 * seen.picture + seen.near,
-        jacobian=fit.jacobian,
-        names=fit.names,
-        whitened=fit.information_root,
+        whitened=_with_doubt(found) if found.pupil.u > fit.u[fit.names.index(PUPIL)] else None,
+        **of_fit(fit),
     )
+
+
+def _with_doubt(found: PupilFit) -> Array:
+    """Root of the information that is left when the doubt about the law is counted: residuals cannot tell it."""
+    total = found.fit.covariance.copy()
+    index = found.fit.names.index(PUPIL)
+    total[index, index] = found.pupil.u**2
+    u = np.sqrt(np.diag(total))
+    return np.linalg.inv(np.linalg.cholesky(total / np.outer(u, u))) / u
 
 
 def _findings(found: PupilFit, pictures: TwoPinPictures) -> Iterator[str]:

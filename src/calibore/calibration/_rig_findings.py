@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Observations
+from calibore.calibration._evidence import of_fit
 from calibore.calibration._in_words import Unit, unit_of, word_of
 from calibore.calibration._rig_fit import RigFit
 from calibore.calibration._rig_values import value_of
@@ -75,19 +76,12 @@ def together(found: RigFit, points: Triangulation, by: Array) -> tuple[Array, Ar
 
 def observations_of(found: RigFit) -> Observations:
     """The evidence, in pixels along the marks' directions."""
-    fit, looks = found.fit, found.model.looks
+    looks = found.model.looks
     return Observations(
         file=np.array([look.file for look in looks], dtype=np.intp)[found.model.look_of],
         u=np.concatenate([look.u for look in looks]),
         v=np.concatenate([look.v for look in looks]),
-        residual=fit.residuals,
-        sigma=fit.sigma,
-        weight=fit.weights,
-        group=found.model.stop_of,
-        jacobian=fit.jacobian,
-        names=fit.names,
-        unit="px",
-        whitened=fit.information_root,
+        **of_fit(found.fit),
     )
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.calibration._looks import Look
 from calibore.calibration._rig_model import RigModel
-from calibore.calibration._rig_start import Prior, prior_of, rough_rig, usable_model
+from calibore.calibration._rig_start import Prior, first_values, prior_of, rough_values, usable_model
 from calibore.errors import InputError
 from calibore.fitting import Fit, least_squares
 from calibore.rigs import Rig, triangulate
@@ -83,14 +83,14 @@ def fit_rig(
     evidence does not suffice or the fit fails.
     """
     whole = RigModel(rig, tuple(looks), tuple(free))
-    near = rough_rig(whole, near or rig)
-    model = usable_model(whole, near)
-    values, known, rounds = model.start(near), prior_of(model, prior), 0
-    slope = model.gaps(values).slope
+    values = rough_values(whole, near or rig)
+    model = usable_model(whole, values)
+    known, rounds = prior_of(model, prior), 0
+    slope = model.residuals(values)[2]
     while True:
         fit = _fitted(model, values, slope, known, robust=robust)
         values, before, rounds = fit.values, slope, rounds + 1
-        slope = model.gaps(values).slope
+        slope = model.residuals(values)[2]
         if rounds == MOST_ROUNDS or np.abs(slope / before - 1)[fit.weights > 0].max() < SETTLED:
             break
     _refuse(fit, model, bounds or {})
@@ -108,8 +108,10 @@ def foreseen(
     """Standard uncertainties of the parameters `free` that a fit would give about the rig as it is, were the marks of
     `looks` as noisy as they say, and errors of references independent; infinite where they tell nothing.
     """
-    model = usable_model(RigModel(rig, tuple(looks), tuple(free)), rig)
-    _, jacobian, slope = model.gaps(model.start(rig))
+    model = RigModel(rig, tuple(looks), tuple(free))
+    values = first_values(model, rig)
+    model = usable_model(model, values)
+    _, jacobian, slope = model.gaps(values)
     errors = np.zeros((slope.size, len(model.stops)))
     errors[np.arange(slope.size), model.stop_of] = 1.0
     rows = np.concatenate([jacobian, errors], axis=1) / (model.sigma * np.abs(slope))[:, None]
@@ -136,15 +138,10 @@ def _standard_uncertainties(rows: Array) -> Array:
 
 
 def _fitted(model: RigModel, values: Array, slope: Array, known: Prior | None, *, robust: bool) -> Fit:
-    """With pixels worth `slope` (n,) [m/px], so that residuals in pixels have the derivatives of the gaps."""
-
-    def in_pixels(values: Array) -> tuple[Array, Array]:
-        gaps = model.gaps(values)
-        return gaps.value / slope, -gaps.jacobian / slope[:, None]
-
+    """With errors of references in metres, of which a pixel is `slope` (n,) [m/px]."""
     u = np.array([reference.u or 0.0 for reference in model.stops.values()])[model.stop_of]
     return least_squares(
-        in_pixels,
+        lambda values: model.residuals(values)[:2],
         values,
         names=model.names,
         sigma=model.sigma,

@@ -11,10 +11,12 @@ from calibore.calibration._looks import Look
 from calibore.calibration._references import Reference
 from calibore.calibration._rig_values import value_of
 from calibore.errors import InputError
-from calibore.rigs import Rig, meetings_of, moved, triangulate
+from calibore.rigs import Rig, Triangulation, meetings_of, moved, triangulate
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
+NEWTON_STEPS = 2
+"""To where a mark should be; from a pixel away the first leaves a thousandth of it, even near a fold."""
 
 
 class Gaps(NamedTuple):
@@ -83,7 +85,22 @@ class RigModel:
     def moved_rig(self, values: Array) -> Rig:
         return moved(self.rig, dict(zip(self.free, values[: len(self.free)].tolist(), strict=True)))
 
-    def gaps(self, values: Array) -> Gaps:
+    def residuals(self, values: Array) -> tuple[Array, Array, Array]:
+        """Pixels (n,) from where each mark should be, along its direction; minus their derivatives (n, p): how what is
+        predicted moves; and the slope (n,) [m/px] there.
+
+        Taken where the mark should be, found by Newton's steps, not where noise has put it: derivatives that hold the
+        noise of the residuals would let a fit trade the one for the other, and bias it.
+        """
+        away = np.zeros(self.look_of.size)
+        for _ in range(NEWTON_STEPS):
+            value, _, slope = self.gaps(values, away)
+            away = away + value / slope
+        value, jacobian, slope = self.gaps(values, away)
+        return away + value / slope, -jacobian / slope[:, None], slope
+
+    def gaps(self, values: Array, away: Array | None = None) -> Gaps:
+        """Of the marks, or of places `away` (n,) [px] against their directions."""
         n = self.look_of.size
         gaps = Gaps(np.full(n, np.nan), np.zeros((n, len(self.names))), np.full(n, np.nan))
         try:
@@ -92,7 +109,7 @@ class RigModel:
             return gaps
         columns = [rig.parameter_names.index(name) for name in self.free]
         for laser in dict.fromkeys(look.laser for look in self.looks):
-            found, start = self._met(rig, laser), 0
+            found, start = self._met(rig, laser, np.zeros(n) if away is None else away), 0
             for number, look in enumerate(self.looks):
                 if look.laser != laser:
                     continue
@@ -126,11 +143,14 @@ class RigModel:
         branch = self.branches[number] if self.branches else 0
         return triangulate(rig, look.u, look.v, laser=look.laser, branch=branch).points
 
-    def _met(self, rig: Rig, laser: int):
+    def _met(self, rig: Rig, laser: int, away: Array) -> Triangulation:
         looks = [(number, look) for number, look in enumerate(self.looks) if look.laser == laser]
+        rows = np.isin(self.look_of, [number for number, _ in looks])
+        direction = np.concatenate([look.direction for _, look in looks])
         u, v = (np.concatenate([getattr(look, axis) for _, look in looks]) for axis in "uv")
         branch = np.concatenate([self.branches[number] for number, _ in looks]) if self.branches else None
-        return triangulate(rig, u, v, laser=laser, branch=branch)
+        place = np.stack([u, v], axis=1) - away[rows, None] * direction
+        return triangulate(rig, place[:, 0], place[:, 1], laser=laser, branch=branch)
 
 
 def nearest_branches(model: RigModel, values: Array) -> tuple[Whole, ...]:

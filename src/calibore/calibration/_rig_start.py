@@ -18,7 +18,9 @@ NEAR_FOLD = 25.0
 ROUGH, ROUGH_LENGTH, ROUGH_SLOPE, ROUGH_PIXELS = 0.1, 0.02, 0.05, 20.0
 """How well a rig is known at least before a first look: lengths and k relatively, offsets [m], angles [rad],
 centre [px]."""
-MOST_LOOKS, SETTLED, ROUGHLY = 4, 0.01, 1e-8
+LEAST_SPREAD = 0.2
+"""px: marks count as no better than this at folds, which move with the rig while it is looked for."""
+MOST_LOOKS, SETTLED, ROUGHLY = 4, 0.02, 1e-5
 """First looks, the last of which changes nothing by more of what is known at least; how exactly each ends."""
 SAFEST = 0.6
 """Of the marks of a look, for first looks: a rig that is not yet right takes near meetings for far ones at a fold."""
@@ -34,18 +36,25 @@ class Prior(NamedTuple):
     matrix: Array
 
 
-def usable_model(model: RigModel, near: Rig, *, safest: float = 1.0) -> RigModel:
-    """Only the marks that meet the light of the rig `near` far enough from its folds, where it meets references; of
-    each look the fraction `safest`.
+def first_values(model: RigModel, near: Rig) -> Array:
+    """Parameters (p,) of the rig `near`, and of references as it sees them: first by the meetings nearest to where they
+    would be if they had been set up straight.
     """
     straight = model.start(near)
     straight[len(model.free) :] = 0.0
-    model = replace(model, branches=nearest_branches(model, straight))
-    model = replace(model, branches=nearest_branches(model, model.start(near)))
+    return replace(model, branches=nearest_branches(model, straight)).start(near)
+
+
+def usable_model(model: RigModel, values: Array, *, safest: float = 1.0) -> RigModel:
+    """Only the marks that at `values` (p,) meet their laser's light far enough from its folds, where it meets
+    references; of each look the fraction `safest`.
+    """
+    model = replace(model, branches=nearest_branches(model, values))
     looks, branches = [], []
-    lit, rig = np.isfinite(model.gaps(model.start(near)).value), near.knowing(None)
+    lit, rig = np.isfinite(model.gaps(values).value), model.moved_rig(values).knowing(None)
     for number, (look, branch) in enumerate(zip(model.looks, model.branches, strict=True)):
-        m = margin(rig, look.u, look.v, branch=branch, u_pixel=look.sigma, direction=look.direction, laser=look.laser)
+        u = np.maximum(look.sigma, LEAST_SPREAD)
+        m = margin(rig, look.u, look.v, branch=branch, u_pixel=u, direction=look.direction, laser=look.laser)
         m = np.where(lit[model.look_of == number], np.nan_to_num(m), 0.0)
         kept = m >= max(NEAR_FOLD, np.quantile(m, 1 - safest))
         if not kept.any():
@@ -77,16 +86,15 @@ def prior_of(model: RigModel, rig: Covariance | None) -> Prior | None:
     return Prior(names, np.zeros(len(names)), matrix)
 
 
-def rough_rig(model: RigModel, near: Rig) -> Rig:
-    """Near enough for what a pixel means in metres and which meeting each mark shows: every mark with its own slope,
-    all alike good, within what people who build a rig know of it.
+def rough_values(model: RigModel, near: Rig) -> Array:
+    """Parameters (p,) near enough for what a pixel means in metres and which meeting each mark shows: every mark with
+    its own slope, all alike good, within what people who build a rig know of it.
     """
     from scipy.optimize import least_squares
 
+    values, known = first_values(model, near), _known_at_least(model)
     for _ in range(MOST_LOOKS):
-        usable = usable_model(model, near, safest=SAFEST)
-        start = usable.start(near)
-        known = _known_at_least(usable, start)
+        usable, start = usable_model(model, values, safest=SAFEST), values
         values = least_squares(
             lambda x: _in_pixels(usable, x, known)[0],  # noqa: B023
             start,
@@ -96,10 +104,9 @@ def rough_rig(model: RigModel, near: Rig) -> Rig:
             xtol=ROUGHLY,
             ftol=ROUGHLY,
         ).x
-        near = usable.moved_rig(values)
         if np.abs(known @ (values - start)).max() < SETTLED:
             break
-    return near
+    return values
 
 
 def _in_pixels(model: RigModel, values: Array, known: Array) -> tuple[Array, Array]:
@@ -112,12 +119,12 @@ def _in_pixels(model: RigModel, values: Array, known: Array) -> tuple[Array, Arr
     return np.concatenate([residual, aside]), np.concatenate([by_parameters, known])
 
 
-def _known_at_least(model: RigModel, start: Array) -> Array:
+def _known_at_least(model: RigModel) -> Array:
     """Rows (k, p) of unit variance: how well rig and references are known before."""
     rough = np.array([_rough(model, name) for name in model.free])
     prior = prior_of(model, Covariance(model.free, np.diag(rough**2)))
     assert prior is not None
-    rows = np.zeros((len(prior.names), start.size))
+    rows = np.zeros((len(prior.names), len(model.names)))
     index = [model.names.index(name) for name in prior.names]
     rows[np.arange(len(index)), index] = 1 / np.sqrt(np.diag(prior.matrix))
     return rows

@@ -13,7 +13,7 @@ from calibore.calibration._calibration import Calibration
 from calibore.calibration._lens_models import lens_models
 from calibore.calibration._pupil_target import input_file
 from calibore.calibration._rings_choice import recommended, tried
-from calibore.calibration._rings_fit import RingFit, fit_all, fit_lens, stretches
+from calibore.calibration._rings_fit import RingFit, fit_all, fit_lens
 from calibore.calibration._rings_model import Printed, target_names
 from calibore.calibration._rings_pictures import RingPictures, read_ring_pictures
 from calibore.calibration._rings_result import Outcome, comparison_of, observations_of, outcome_of, valid_region
@@ -76,8 +76,7 @@ def sight_of(pictures: RingPictures) -> Sight:
 def evaluated(sight: Sight, law: str | None = None, *, done: Callable[[int], None] = lambda total: None) -> Outcome:
     """All lenses, or those of one `law`, fitted and compared, and what follows from the recommended one."""
     lenses = lens_models(law)
-    short = stretches(sight)
-    short, fits = fit_all(short, lenses, done=lambda: done(len(lenses)))
+    short, fits = fit_all(sight, lenses, done=lambda: done(len(lenses)))
     trials = [tried(ring_fit, short) for ring_fit in fits.values()]
     chosen = recommended(trials)
     final = _resistant(short, chosen.ring_fit)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,31 +91,35 @@ def fit_lens(
 
 def stretches(sight: Sight) -> Sight:
     """The marks of all pictures, condensed to a mark for each stretch of a line."""
-    few = sight.thinned(ENOUGH)
-    rough = fit_lens(few, SMOOTH, shared=False)
-    model = RingModel(SMOOTH, sight.printed, sight.marks, sight.size, sight.square, rough.model.printed_errors)
-    return condensed(sight, model(rough.fit.values)[0])
+    rough = fit_lens(sight.thinned(ENOUGH), SMOOTH, shared=False)
+    return _condensed_by(sight, rough)
+
+
+def _condensed_by(sight: Sight, ring_fit: RingFit) -> Sight:
+    model = replace(ring_fit.model, marks=sight.marks)
+    return condensed(sight, model(ring_fit.fit.values)[0])
 
 
 def fit_all(
     sight: Sight, lenses: tuple[LensModel, ...], *, done: Callable[[], None] = lambda: None
 ) -> tuple[Sight, dict[LensModel, RingFit]]:
-    """Every lens that can be fitted, and the marks with sigmas as they scatter about the best of them. Lenses that miss
-    by much more than the best are fitted as well as they can be, without a model of errors.
+    """Every lens that can be fitted, and the marks in stretches with sigmas as they scatter about the best of them.
+    Lenses that miss by much more than the best are fitted as well as they can be, without a model of errors.
     """
-    plain: dict[LensModel, RingFit] = {}
+    short, plain = stretches(sight), {}
     for lens in lenses:
         with suppress(InputError):
-            plain[lens] = fit_lens(sight, lens, shared=False)
+            plain[lens] = fit_lens(short, lens, shared=False)
         done()
     if not plain:
         raise InputError(
             "No lens model can be fitted to the marks; check that rings, spokes and ring_spacing are the target's."
         )
     best = min(plain.values(), key=lambda fit: fit.rms)
-    sight = evened(sight, best.fit.residuals)
-    fits = {lens: _with_shared(sight, fit, close=fit.rms <= CLOSE * best.rms) for lens, fit in plain.items()}
-    return sight, fits
+    short = _condensed_by(sight, best)
+    short = evened(short, fit_lens(short, best.lens, start=best.fit.values, shared=False).fit.residuals)
+    fits = {lens: _with_shared(short, fit, close=fit.rms <= CLOSE * best.rms) for lens, fit in plain.items()}
+    return short, fits
 
 
 def _with_shared(sight: Sight, plain: RingFit, *, close: bool) -> RingFit:

@@ -1,4 +1,4 @@
-"""Marks of a ring target, triangulated onto its plane: how far they are from the rings and spokes they belong to."""
+"""The marks of all pictures of a ring target and where they should be: the model that is fitted."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._lens_models import ASPECT, CENTRE, LensModel
+from calibore.calibration._rings_prediction import Aims, predict
 from calibore.calibration._rings_target import RingTarget
 from calibore.errors import InputError
 from calibore.optics import Camera
-from calibore.rigs import Laser, Rig, triangulate
+from calibore.rigs import Laser, Rig
 from calibore.targets import RingMarks
 
 Array = NDArray[np.float64]
@@ -69,12 +70,11 @@ class RingModel:
 
     def pixels_per_metre(self, values: Array) -> Array:
         """(n,) how far [px] each mark moves along its direction if its line is printed 1 m farther out or aside."""
-        rigs = [self.rig(values, i) for i in range(len(self.marks))]
         scales = []
         for number, marks in enumerate(self.marks):
-            scale = np.zeros(marks.u.size)
+            scale, rig, target = np.zeros(marks.u.size), self.rig(values, number), self.target(values, number)
             for rows in _rings_and_spokes(marks):
-                scale[rows] = 1 / self._gap(values, rigs[number], self.target(values, number), marks, rows).slope
+                scale[rows] = 1 / predict(rig, target, self._aims(values, marks, rows)).slope
             scales.append(scale)
         return np.concatenate(scales)
 
@@ -99,68 +99,28 @@ class RingModel:
         cameras = [self.names.index(known[i]) for i in fitted]
         finder = [self.names.index(name) for name in FINDER]
         for rows in _rings_and_spokes(marks):
-            gap = self._gap(values, rig, target, marks, rows)
-            shifts = np.column_stack([marks.direction[rows], np.sign(gap.slope) * (marks.ring[rows] > 0)])
-            residuals[rows] = gap.value / gap.slope - shifts @ values[finder]
-            jacobian[np.ix_(rows, finder)] = shifts
-            jacobian[np.ix_(rows, columns)] = -gap.by_target / gap.slope[:, None]
-            jacobian[np.ix_(rows, cameras)] = -gap.by_camera[:, fitted] / gap.slope[:, None]
+            line = predict(rig, target, self._aims(values, marks, rows))
+            shared = np.column_stack([marks.direction[rows], np.sign(line.slope) * (marks.ring[rows] > 0)])
+            residuals[rows] = -line.shift - shared @ values[finder]
+            jacobian[np.ix_(rows, finder)] = shared
+            jacobian[np.ix_(rows, columns)] = -line.by_target / line.slope[:, None]
+            jacobian[np.ix_(rows, cameras)] = -line.by_camera[:, fitted] / line.slope[:, None]
             if self.printed_errors and marks.ring[rows[0]]:
-                jacobian[rows, len(self.names) - self.printed.radii.size + marks.ring[rows] - 1] = 1 / gap.slope
+                jacobian[rows, len(self.names) - self.printed.radii.size + marks.ring[rows] - 1] = 1 / line.slope
         return residuals, jacobian
 
-    def _gap(self, values: Array, rig: Rig, target: RingTarget, marks: RingMarks, rows: Whole) -> "Gap":
-        u, v, direction = marks.u[rows], marks.v[rows], marks.direction[rows]
-        found = triangulate(rig, u, v)
-        if marks.ring[rows[0]]:
-            place = target.radius(found.points)
-        else:
-            place = target.across(found.points, marks.spoke[rows] * (2 * np.pi / self.printed.spokes))
-        by_point = place.by_point[:, None, :]
-        slope = np.einsum("nij,nj->ni", by_point @ found.d_pixel, direction)[:, 0]
-        by_rig = (by_point @ found.d_parameters)[:, 0]
-        by_target = place.by_parameters + np.pad(by_rig[:, :3], [(0, 0), (0, 3)])
-        value = place.value
-        if marks.ring[rows[0]]:
-            half = (self.printed.ink_width / 2 / slope)[:, None] * direction
-            value = _middle_of_edges(rig, target, (u, v), half) if self.printed.ink_width else value
-            value = value - self._radii(values)[marks.ring[rows] - 1]
-        return Gap(value, slope, by_target, by_rig[:, 3:])
-
-    def _radii(self, values: Array) -> Array:
-        printed = self.printed.radii
-        return printed + values[-printed.size :] if self.printed_errors else printed
-
-
-class Gap(NamedTuple):
-    """How far marks are beyond their rings or beside their spokes, `value` (m,) [m], its `slope` (m,) [m/px] along
-    their directions, its derivatives by the place of the target (m, 6) and by the camera (m, c).
-    """
-
-    value: Array
-    slope: Array
-    by_target: Array
-    by_camera: Array
+    def _aims(self, values: Array, marks: RingMarks, rows: Whole) -> Aims:
+        radii = self.printed.radii
+        if self.printed_errors:
+            radii = radii + values[-radii.size :]
+        radius = radii[marks.ring[rows] - 1] if marks.ring[rows[0]] else None
+        angle = marks.spoke[rows] * (2 * np.pi / self.printed.spokes)
+        return Aims(marks.u[rows], marks.v[rows], marks.direction[rows], radius, angle, self.printed.ink_width)
 
 
 def _rings_and_spokes(marks: RingMarks) -> list[Whole]:
     rows = np.flatnonzero(marks.ring > 0), np.flatnonzero(marks.ring == 0)
     return [some for some in rows if some.size]
-
-
-def _middle_of_edges(rig: Rig, target: RingTarget, pixels: tuple[Array, Array], half: Array) -> Array:
-    """A mark is the middle between the edges of the ink as they appear, `half` (n, 2) [px] away, not the image of the
-    ink's middle: the radii of its edges, not its own, have the printed radius as their mean.
-    """
-    edges = [_radius(rig, target, pixels[0] + way * half[:, 0], pixels[1] + way * half[:, 1]) for way in (-1, 1)]
-    return (edges[0] + edges[1]) / 2
-
-
-def _radius(rig: Rig, target: RingTarget, u: Array, v: Array) -> Array:
-    """Distance from the target's centre of what the pixels show, without sensitivities: ten times faster."""
-    rays = rig.camera.unproject(u, v)
-    distance = target.plane.meet(*rays).distance[0]
-    return target.radius(rays.origin + distance[:, None] * rays.direction).value
 
 
 def target_names(number: int) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from calibore.targets import RingMarks
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
-STRETCHES, FEWEST_MARKS = 24, 6
+STRETCHES, FEWEST_MARKS = 24, 20
 """Into how many stretches a line is divided, of at least so many marks each. Neighbouring marks err alike: pixels and
 lines meet in patterns that drift along the line. What stretches differ by holds all of that, without a model of it."""
 AGREEING = 4.0
@@ -123,7 +123,10 @@ def evened(sight: Sight, residuals: Array) -> Sight:
     factor = np.ones(residuals.size)
     kind = 2 * sight.picture + ~sight.on_ring
     for one in np.unique(kind):
-        factor[kind == one] = max(TO_DEVIATION * float(np.nanmedian(np.abs(relative[kind == one]))), EXACT)
+        mine = kind == one
+        spare = max(np.count_nonzero(mine) - np.unique(sight.sight_of_line[mine]).size, 1)
+        deviation = TO_DEVIATION * float(np.nanmedian(np.abs(relative[mine])))
+        factor[mine] = max(deviation * np.sqrt(np.count_nonzero(mine) / spare), EXACT)
     factor /= factor[0]
     return replace(_with_sigma(sight, sight.sigma * factor), enlarged=factor)
 

@@ -164,7 +164,7 @@ def _confused(outcome: Outcome, pictures: RingPictures, doubt: float) -> str:
         return (
             f"no simple lens law fits, and with {outcome.chosen.lens.name} k and D cannot be told apart "
             f"(correlation {correlation:.4f}, u {doubt:.0%}): {_narrow(outcome, pictures)} Or "
-            "measure the distance from the entrance pupil to the target and state it by nominal_baseline and u_baseline."
+            "measure how far the entrance pupil is from the target and state it by nominal_baseline and u_baseline."
         )
     rivals = f" Other lens laws fit as well: {', '.join(outcome.rivals)}." if outcome.rivals else ""
     told = f"k and D cannot be told apart (correlation {correlation:.4f}, u {doubt:.0%})"

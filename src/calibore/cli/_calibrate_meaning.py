@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from calibore.cli._calibrate_words import METRES, aligned
+from calibore.cli._calibrate_words import METRES, aligned, significant
 
 if TYPE_CHECKING:
     from calibore.calibration import Calibration
@@ -12,16 +12,21 @@ if TYPE_CHECKING:
 CLOSE = 0.99
 """Correlation coefficient from which on two parameters are hardly told apart."""
 RADII = 7
+INNERMOST = 0.1
+"""Of the largest radius: nearer to the axis there is no wall."""
 SPREAD = (0.7, 1.3)
 """Of the nominal radius, where the calibration has no radii of its own."""
 
 
-def meaning(found: "Calibration", *, inputs: Path | None, radius: float | None, file: Path) -> dict[str, Any]:
-    """Plain data, SI or px; parts that this calibration cannot have are None."""
+def meaning(
+    found: "Calibration", *, inputs: Path | None, radius: float | None, file: Path, length: str
+) -> dict[str, Any]:
+    """Plain data, SI or px, sentences with lengths in `length`; parts that this calibration cannot have are None."""
     return {
         "wall": _on_wall(found, radius),
         "image": _over_image(found),
         "hardly_told_apart": _close_pairs(found),
+        "halves": _halves(found, radius, length),
         "evidence": _evidence(found, file),
         "changed_inputs": _changed(file, inputs),
     }
@@ -37,30 +42,47 @@ def _on_wall(found: "Calibration", radius: float | None) -> dict[str, Any] | Non
         limits = (SPREAD[0] * radius, SPREAD[1] * radius)
     if found.rig is None or found.rig.covariance is None or limits is None:
         return None
-    wall = wall_uncertainty(found.rig, radii=np.linspace(*limits, RADII))
+    wall = wall_uncertainty(found.rig, radii=np.linspace(max(limits[0], INNERMOST * limits[1]), limits[1], RADII))
     columns = {"radius_m": wall.radius, "u_m": wall.mean, "u_uncorrelated_m": wall.mean_uncorrelated}
     return {name: column.tolist() for name, column in columns.items()}
 
 
 def _over_image(found: "Calibration") -> dict[str, float] | None:
-    """Uncertainty [px] of the direction behind a pixel in the middle, half-way and at the corner of the image."""
+    """Uncertainty [px] of the direction behind a pixel in the middle of the image, at the end of what was calibrated
+    towards a corner, and half-way.
+    """
+    import numpy as np
+
     from calibore.calibration import projection_uncertainty
 
     if found.camera is None or not any(name.startswith("camera.") for name in found.covariance.names):
         return None
     camera = found.camera
-    places = {"middle": 0.0, "half-way": 0.5, "corner": 1.0}
     (u, v), ends = camera.principal_point, (camera.width - 1, camera.height - 1)
-    columns = [u + part * (ends[0] - u) for part in places.values()]
-    rows = [v + part * (ends[1] - v) for part in places.values()]
-    sd = projection_uncertainty(camera, found.covariance, columns, rows, valid=found.valid).sd
-    return dict(zip(places, sd.tolist(), strict=True))
+    corner = np.hypot(ends[0] - u, ends[1] - v)
+    calibrated = found.valid and found.valid.zenith and float(camera.lens.image_radius(found.valid.zenith[1]))
+    parts = min(calibrated / corner, 1.0) * np.array([0.0, 0.5, 1.0]) if calibrated else np.array([0.0, 0.5, 1.0])
+    pixels = u + parts * (ends[0] - u), v + parts * (ends[1] - v)
+    sd = projection_uncertainty(camera, found.covariance, *pixels, valid=found.valid).sd
+    return dict(zip(("in the middle", "half-way", "at the edge"), sd.tolist(), strict=True))
 
 
 def _close_pairs(found: "Calibration") -> list[dict[str, Any]]:
     names, r = found.covariance.names, found.covariance.correlations
     pairs = [(i, j) for i in range(len(names)) for j in range(i) if abs(r[i, j]) > CLOSE]
     return [{"first": names[j], "second": names[i], "correlation": float(r[i, j])} for i, j in pairs]
+
+
+def _halves(found: "Calibration", radius: float | None, length: str) -> dict[str, Any] | None:
+    """Half of the pictures against the other half, where there are enough."""
+    from calibore.calibration import halves
+    from calibore.errors import InputError
+
+    try:
+        half = halves(found, nominal_radius=radius)
+    except InputError:
+        return None
+    return {"verdict": half.verdict(length), "rms_px": half.rms, "expected_px": half.expected, "p": half.p}
 
 
 def _evidence(found: "Calibration", file: Path) -> dict[str, Any] | None:
@@ -90,6 +112,7 @@ def meaning_lines(said: dict[str, Any], length: str) -> Iterator[str]:
         ("wall", lambda one: _wall_lines(one, length)),
         ("image", _image_lines),
         ("hardly_told_apart", _pair_lines),
+        ("halves", lambda one: [f"Checked by halves: {one['verdict']}"]),
         ("evidence", _evidence_lines),
         ("changed_inputs", _input_lines),
     ):
@@ -101,12 +124,12 @@ def _wall_lines(wall: dict[str, Any], length: str) -> Iterator[str]:
     size = METRES[length]
     yield from ("", f"On the wall, u of the radius shared by a whole scan [{length}]:")
     rows = zip(*(wall[key] for key in ("radius_m", "u_m", "u_uncorrelated_m")), strict=True)
-    cells = [tuple(f"{value / size:.4g}" if value == value else "not seen" for value in row) for row in rows]
+    cells = [(f"{row[0] / size:.4g}", *(significant(value / size) for value in row[1:])) for row in rows]
     yield from aligned([("radius", "u", "u if correlations were ignored"), *cells], left=0)
 
 
 def _image_lines(image: dict[str, float]) -> Iterator[str]:
-    said = ", ".join(f"{value:.3g} px {place}" for place, value in image.items())
+    said = ", ".join(f"{significant(value)} px {place}" for place, value in image.items())
     yield from ("", f"Over the image, u of the direction behind a pixel: {said}.")
 
 

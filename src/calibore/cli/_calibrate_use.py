@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from calibore.cli._calibrate_words import METRES, aligned, check_unit, plain, result_lines
+from calibore.cli._calibrate_words import METRES, aligned, check_unit, plain, result_lines, significant
 from calibore.cli._failure import wrong_usage
 from calibore.cli._profile import as_json
 
@@ -32,19 +32,19 @@ def show(
     found = read_calibration(file)
     for warning in found.warnings:
         typer.echo(f"Warning: {warning}", err=True)
-    said = meaning(found, inputs=inputs, radius=_radius(radius) if radius else None, file=file)
-    page = None
+    nominal = _radius(radius) if radius else None
+    said = meaning(found, inputs=inputs, radius=nominal, file=file, length=unit)
     if out is not None:
         from calibore.reports import write_calibration_page
 
-        page = write_calibration_page(found, out, unit=unit)
+        said["page"] = str(write_calibration_page(found, out, nominal_radius=nominal, unit=unit))
     if json:
         typer.echo(as_json({**plain(found, file), **said}))
         return
     for line in (*result_lines(found, unit), *meaning_lines(said, unit)):
         typer.echo(line)
-    if out is not None:
-        typer.echo(f"Page: {page or out}")
+    if "page" in said:
+        typer.echo(f"Page: {said['page']}")
 
 
 def diff(
@@ -55,23 +55,24 @@ def diff(
     unit: UnitName = "mm",
     json: Json = False,
 ) -> None:
-    """Whether it is the same camera as last year. Differences over the image and on the wall, with their significance."""
+    """Whether it is the same camera as last year. Differences over the image and on the wall, with significance."""
     check_unit(unit)
     nominal = _radius(radius)
     from calibore.calibration import difference
     from calibore.rigs import read_rig_or_camera
 
     found = difference(read_rig_or_camera(first), read_rig_or_camera(second), nominal_radius=nominal)
+    said = _plain_difference(found)
     if out is not None:
         from calibore.reports import write_difference_page
 
-        write_difference_page(found, out, unit=unit)
+        said["page"] = str(write_difference_page(found, out, unit=unit))
     if json:
-        typer.echo(as_json(_plain_difference(found)))
+        typer.echo(as_json(said))
         return
     typer.echo(found.verdict(unit))
-    if out is not None:
-        typer.echo(f"Page: {out}")
+    if "page" in said:
+        typer.echo(f"Page: {said['page']}")
 
 
 def plan(
@@ -94,9 +95,10 @@ def plan(
         steps = [{"picture": step.shot.said(unit), "u_m": step.u} for step in found.steps]
         typer.echo(as_json({"nominal_radius_m": nominal, "before_u_m": found.before, "steps": steps}))
         return
-    size = METRES[unit]
-    typer.echo(f"On a wall of {nominal / size:.4g} {unit} u of the radius is {found.before / size:.4g} {unit} now.")
-    rows = [(f"{n}.", one.shot.said(unit), f"{one.u / size:.4g} {unit}") for n, one in enumerate(found.steps, start=1)]
+    before, size = significant(found.before / METRES[unit]), METRES[unit]
+    typer.echo(f"On a wall of {nominal / size:.4g} {unit} u of the radius is {before} {unit} now.")
+    steps = enumerate(found.steps, start=1)
+    rows = [(f"{n}.", one.shot.said(unit), f"{significant(one.u / size)} {unit}") for n, one in steps]
     for line in aligned([("", "photograph the target", "then u is"), *rows], left=2):
         typer.echo(line)
 

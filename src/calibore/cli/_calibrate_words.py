@@ -1,6 +1,7 @@
 """What `calibore calibrate` prints of a calibration: parameters, models compared, findings, files."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -51,6 +52,11 @@ def digits_for(u: float) -> int:
     return max(0, 1 - math.floor(math.log10(u))) if 0 < u < math.inf else 4
 
 
+def significant(value: float) -> str:
+    """Three digits, without an exponent; "not seen" where there is no value."""
+    return "not seen" if math.isnan(value) else f"{value:.{digits_for(abs(value)) + 1}f}"
+
+
 def parameter_rows(calibration: "Calibration", length: str) -> Iterator[tuple[str, ...]]:
     """Name, value, u, unit of every parameter."""
     from calibore.calibration import unit_of_parameter
@@ -62,10 +68,11 @@ def parameter_rows(calibration: "Calibration", length: str) -> Iterator[tuple[st
 
 
 def model_rows(models: Sequence["Comparison"], length: str) -> Iterator[tuple[str, ...]]:
-    """A heading, then one row per model: how well it fits, and what it says of the parameters that matter."""
+    """A heading, then one row per model: how well it fits, and what it says of parameters that most of them have."""
     from calibore.calibration import unit_of_parameter
 
-    names = list(dict.fromkeys(name for model in models for name in model.estimates))
+    told = Counter(name for model in models for name in model.estimates)
+    names = [name for name, count in told.items() if 2 * count >= len(models)]
     heads = [f"{name} [{said_in(unit_of_parameter(name), length)[0] or '1'}]" for name in names]
     unit, size = said_in(models[0].unit, length)
     yield ("model", "parameters", f"rmse [{unit}]", "dAICc", "dBIC", "cross-validated", *heads, "")

@@ -7,14 +7,13 @@ from calibore.fitting._criteria import Criteria, cross_validated, information_cr
 from calibore.fitting._fit import Fit
 from calibore.fitting._identifiability import Identifiability, identifiability
 from calibore.fitting._least_squares import least_squares
-from calibore.fitting._problem import Model, Prior
+from calibore.fitting._problem import Prior
 from calibore.fitting._region import Region, mahalanobis, region, region_contains
 
 __all__ = [
     "Criteria",
     "Fit",
     "Identifiability",
-    "Model",
     "Prior",
     "Region",
     "cross_validated",

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
 LARGEST_ORDER = 12
+LARGEST_PARTIAL = 0.9999  # of a guess, from residuals that are as good as periodic
 VALUES_PER_LAG = 4  # a chain must be so many times as long as the lags it tells about
 
 
@@ -74,8 +75,9 @@ WHITE = Autoregression(np.zeros(0))
 
 
 def order_of(residuals: Array, position: Whole) -> Array:
-    """Partial autocorrelations of `residuals` (n,), as many as Hannan and Quinn's criterion (1979) asks
-    for; none of white noise.
+    """Partial autocorrelations of `residuals` (n,), as many as Akaike's criterion asks for; none of white
+    noise. Criteria that ask for fewer (Hannan and Quinn 1979) were measured to state 10 % too little where the light is
+    blurred over some marks.
     """
     longest = int(position.max(initial=0)) + 1
     largest = min(LARGEST_ORDER, longest // VALUES_PER_LAG)
@@ -89,9 +91,8 @@ def order_of(residuals: Array, position: Whole) -> Array:
     if not moments[0] > 0:
         return np.zeros(0)
     partial, best, count = _durbin(np.array(moments) / moments[0]), (0.0, 0), int(chained.sum())
-    price = 2 * np.log(np.log(max(count, 16)))
     for order in range(1, largest + 1):
-        criterion = count * np.log(np.prod(1 - partial[:order] ** 2)) + price * order
+        criterion = count * np.log(np.prod(1 - partial[:order] ** 2)) + 2 * order
         best = min(best, (float(criterion), order))
     return partial[: best[1]]
 
@@ -101,7 +102,7 @@ def _durbin(correlation: Array) -> Array:
     partial, weights, variance = np.zeros(correlation.size - 1), np.zeros(0), 1.0
     for t in range(partial.size):
         step = (correlation[t + 1] - weights @ correlation[1 : t + 1][::-1]) / variance
-        partial[t] = step
+        partial[t] = step = min(max(step, -LARGEST_PARTIAL), LARGEST_PARTIAL)
         weights = np.append(weights - step * weights[::-1], step)
         variance *= 1 - step**2
     return partial

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 CONFUSED = 0.99
 """Correlation above which two parameters are reported as hard to tell apart."""
-MENTIONED = 0.01
+MENTIONED = 0.05
 """Share of the weakest direction below which a parameter is not named."""
 
 
@@ -21,9 +21,9 @@ MENTIONED = 0.01
 class Identifiability:
     """`rank` of the whitened Jacobian with prior, its columns scaled to length 1, and its `singular_values` (p,).
 
-    `weakest`: the combination that the data determine least, as shares that add up to 1 (those below 1 % left out),
-    largest first; `weakest_change`: how much each of them changes along it, relative to its value where that is not
-    0. `pairs`: (name, name, correlation) beyond 0.99, the worst first; by them `str` says it to people.
+    `weakest`: the combination that the data determine least, as shares of 1 (those below 5 % left out), largest
+    first; `weakest_change`: how much each of them changes along it, relative to its value where that is not 0, the
+    largest by 0.01. `pairs`: (name, name, correlation) beyond 0.99, the worst first; by them `str` says it to people.
     """
 
     names: tuple[str, ...]

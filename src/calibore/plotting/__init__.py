@@ -14,12 +14,14 @@ gives it, its ring quantities, and the nominal radius [m]. Files are the caller'
 `design_chart`                       the designs that an optimisation found
 `calibration_pictures`, `difference_pictures`, `plan_pictures`   what a calibration means, how two differ, what to
                                      photograph next
+`known_rig`, `nominal_radius_of`, `shown_radii`, `image_lattice`   where those pictures look
 `save_picture`, `save_vector`        a figure as PNG, as SVG
 `worst_stations`, `governing_ovality`, `clock_text`   what pictures and reports must say alike
 """
 
 from calibore.plotting._along import diameter_along, ovality_along
 from calibore.plotting._calibration import calibration_pictures, difference_pictures, plan_pictures
+from calibore.plotting._calibration_parts import image_lattice, known_rig, nominal_radius_of, shown_radii
 from calibore.plotting._design import DesignPicture, design_pictures, save_vector
 from calibore.plotting._design_build import limit_text, parameter_words
 from calibore.plotting._figures import COVERAGE_FACTOR, save_picture
@@ -54,8 +56,11 @@ __all__ = [
     "diameter_along",
     "difference_pictures",
     "governing_ovality",
+    "image_lattice",
+    "known_rig",
     "length_unit",
     "limit_text",
+    "nominal_radius_of",
     "ovality_along",
     "parameter_words",
     "plan_pictures",
@@ -64,6 +69,7 @@ __all__ = [
     "save_picture",
     "save_vector",
     "shaded_view",
+    "shown_radii",
     "uncertainty_map",
     "worst_sections",
     "worst_stations",

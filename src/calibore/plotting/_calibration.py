@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from calibore.calibration import Calibration, Difference, Plan
 from calibore.plotting._calibration_difference import changes_chart, direction_difference_chart, wall_difference_chart
 from calibore.plotting._calibration_models import correlation_chart, model_chart
-from calibore.plotting._calibration_parts import camera_of, nominal_radius_of, rig_of
+from calibore.plotting._calibration_parts import camera_of, known_rig, nominal_radius_of
 from calibore.plotting._calibration_plan import plan_chart, ranking_chart
 from calibore.plotting._calibration_residuals import residual_chart, residual_map
 from calibore.plotting._calibration_uncertainty import projection_chart, wall_chart, wall_map_chart
@@ -72,7 +72,7 @@ def plan_pictures(plan: Plan, *, unit: str = "mm") -> Iterator[DesignPicture]:
 def _of_calibration(
     calibration: Calibration, nominal_radius: float | None, unit: str
 ) -> Iterator[tuple[str, Figure | None]]:
-    rig, camera, valid = rig_of(calibration), camera_of(calibration), calibration.valid
+    rig, camera, valid = known_rig(calibration), camera_of(calibration), calibration.valid
     if rig is not None and nominal_radius is not None:
         yield "wall", wall_chart(rig, valid, nominal_radius=nominal_radius, unit=unit)
         yield "wall_map", wall_map_chart(rig, valid, nominal_radius=nominal_radius, unit=unit)

@@ -70,11 +70,11 @@ def wall_difference_chart(found: Difference, *, unit: str = "mm") -> Figure | No
     wall, scale = found.wall, length_unit(unit)
     at = int(np.argmin(np.abs(wall.radius - found.nominal_radius)))
     mean, band = wall.mean / scale.metres, wall.coverage * wall.u_mean / scale.metres
+    where = f"At R = {found.nominal_radius / scale.metres:.4g} {unit}"
     notes = [
-        "The same pictures measured with the second calibration, less with the first; what a ring's centre takes up is "
-        "left out",
-        f"At R = {found.nominal_radius / scale.metres:.4g} {unit}: the mean radius differs by {mean[at]:+.2g} {unit}; 95 %"
-        f" of unchanged rigs stay within {band[at]:.2g} {unit}",
+        "The same pictures measured with the second calibration, less with the first; ring centres fitted in both",
+        f"{where}: the mean radius differs by {mean[at]:+.2g} {unit}; 95 % of unchanged rigs stay within"
+        f" {band[at]:.2g} {unit}",
     ]
     figure = new_figure(4.4, title="Second rig minus first, on the wall", notes=notes)
     axes = figure.subplots()
@@ -108,8 +108,8 @@ def changes_chart(found: Difference) -> Figure | None:
     rows = np.arange(len(names))
     sigmas = np.array([np.clip(one.sigmas, -99, 99) for one in found.changes])
     notes = [
-        "Left: each parameter by itself, whatever the others did. Right: how much of the whole difference it would explain",
-        "if it were the only one that changed; correlated parameters explain the same",
+        "Left: each parameter by itself, whatever the others did. Right: how much of the whole difference it explains",
+        "if it is the only one that changed; correlated parameters explain the same",
     ]
     figure = new_figure(1.9 + 0.36 * len(names), title="What changed", notes=notes)
     left, right = figure.subplots(1, 2, sharey=True)
@@ -119,7 +119,8 @@ def changes_chart(found: Difference) -> Figure | None:
     left.barh(rows, sigmas, color=[UPPER_COLOUR if one else LOWER_COLOUR for one in beyond], alpha=0.8, height=0.6)
     right.barh(rows, [100 * one.share for one in found.changes], color=LOWER_COLOUR, alpha=0.8, height=0.6)
     for row, one in zip(rows, found.changes, strict=True):
-        right.text(100 * one.share + 1.5, row, f"{100 * one.share:.2g} %", va="center", size=SMALL_SIZE, color=INK)
+        text = f"{100 * one.share:.{0 if one.share > 0.1 else 1}f} %"
+        right.text(100 * one.share + 1.5, row, text, va="center", size=SMALL_SIZE, color=INK)
     left.set_yticks(rows, names, size=TEXT_SIZE)
     left.invert_yaxis()
     style_axes(left, x_label="change [standard uncertainties]", y_label="")

@@ -40,8 +40,7 @@ def correlation_chart(covariance: Covariance) -> Figure | None:
     matrix = covariance.correlations
     names = [parameter_words(name) for name in covariance.names]
     notes = [
-        "Numbers in per cent; near 100 two parameters can hardly be told apart one by one, and only their combination is "
-        "known",
+        "Numbers in per cent; near 100 two parameters can hardly be told apart, only their combination is known",
         _strongest(matrix, names),
     ]
     figure = new_figure(1.9 + 0.42 * max(n, 4), title="Which parameters are known only together", notes=notes)

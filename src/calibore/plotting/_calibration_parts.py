@@ -20,8 +20,8 @@ OUTSIDE = "outside the valid region: extrapolated"
 SHADE = "#ececec"
 REACH = (0.5, 1.6)
 """Nominal radii shown, where the calibration does not say from where to where it holds."""
-COARSE, FINE, NARROW = (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 12.0
-"""Numbers on a logarithmic axis, and the ratio of its ends below which more of them are needed."""
+COARSE, FINE, NARROW, WIDE = (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 12.0, 500.0
+"""Numbers on a logarithmic axis, and the ratios of its ends below which more, above which fewer of them are needed."""
 MARGIN = 0.25
 """Of the valid radii's span, shown beyond them."""
 
@@ -30,7 +30,7 @@ def camera_of(calibration: Calibration) -> Camera | None:
     return calibration.rig.camera if calibration.rig is not None else calibration.camera
 
 
-def rig_of(calibration: Calibration) -> Rig | None:
+def known_rig(calibration: Calibration) -> Rig | None:
     """The rig with its covariance; None where there is none, or nothing is known of it."""
     rig = calibration.rig
     if rig is None or rig.covariance is not None:
@@ -83,11 +83,10 @@ def shade_radii(axes: Axes, valid: ValidRegion | None, scale: LengthUnit) -> Non
     if valid is None or valid.radius is None:
         return
     low, high = axes.get_xlim()
-    for number, (start, end) in enumerate(
-        ((low, valid.radius[0] / scale.metres), (valid.radius[1] / scale.metres, high))
-    ):
-        if end > start:
-            axes.axvspan(start, end, color=SHADE, linewidth=0, zorder=0, label=OUTSIDE if number == 0 else None)
+    first, last = (radius / scale.metres for radius in valid.radius)
+    beyond = [(start, end) for start, end in ((low, first), (last, high)) if end > start]
+    for number, (start, end) in enumerate(beyond):
+        axes.axvspan(start, end, color=SHADE, linewidth=0, zorder=0, label=OUTSIDE if number == 0 else None)
     axes.set_xlim(low, high)
 
 
@@ -103,9 +102,10 @@ def shown_radii(valid: ValidRegion | None, nominal_radius: float, n: int = 97) -
 def log_axis(axis: Axis, values: Floats) -> None:
     """A logarithmic axis with numbers as people write them: 1, 2, 5, or more of them where `values` span little."""
     there = values[np.isfinite(values) & (values > 0)]
-    narrow = there.size > 0 and there.max() < NARROW * there.min()
-    (axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale)("log")
-    axis.set_major_locator(LogLocator(subs=FINE if narrow else COARSE))
+    ratio = there.max() / there.min() if there.size else 1.0
+    steps = FINE if ratio < NARROW else COARSE if ratio < WIDE else (1.0,)
+    axis.axes.set(**{"xscale" if axis is axis.axes.xaxis else "yscale": "log"})
+    axis.set_major_locator(LogLocator(subs=steps))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 

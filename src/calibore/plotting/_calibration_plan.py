@@ -29,11 +29,11 @@ def plan_chart(plan: Plan, *, unit: str = "mm") -> Figure:
     u = k * np.array([plan.before, *(step.u for step in plan.steps)]) / scale.metres
     names = ["now", *(f"{n}. {step.shot.said(unit)}" for n, step in enumerate(plan.steps, start=1))]
     notes = [
-        f"U = {k:g} u of the radius, from the calibration alone; one picture after the other, each the best that can follow",
+        f"U = {k:g} u of the radius, from the calibration alone; each picture is the best that can follow those before",
         f"At R = {plan.nominal_radius / scale.metres:.4g} {unit} from {u[0]:.2g} to {u[-1]:.2g} {unit}",
     ]
     figure = new_figure(4.7 + 0.3 * len(names), title="What to photograph next", notes=notes)
-    steps, curves = figure.subfigures(2, 1, height_ratios=[0.7 + 0.3 * len(names), 3.2])
+    steps, curves = figure.subfigures(2, 1, height_ratios=[0.7 + 0.3 * len(names), 3.2], squeeze=False)[:, 0]
     upper, lower = steps.subplots(), curves.subplots()
     rows = np.arange(len(names))
     colours = [UPPER_COLOUR, *[LOWER_COLOUR] * len(plan.steps)]

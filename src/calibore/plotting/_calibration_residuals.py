@@ -60,9 +60,10 @@ def residual_map(calibration: Calibration, *, unit: str = "mm") -> Figure | None
         return None
     rms = float(np.sqrt((found.value**2).mean()))
     pairs = _pairs(calibration.observations)
+    pictures = len({*calibration.observations.file.tolist()})
     notes = [
-        f"{found.value.size} residuals of {len({*calibration.observations.file.tolist()})} pictures, rms {rms:.2g}"
-        f" {found.unit}; a good model leaves no pattern",
+        f"{found.value.size} residuals of {pictures} picture{'s' * (pictures > 1)}, rms {rms:.2g} {found.unit};"
+        " a good model leaves no pattern",
     ]
     figure = new_figure(6.2, title="What the model leaves, over the image", notes=notes)
     axes = figure.subplots()
@@ -133,7 +134,7 @@ def _histogram(axes: Axes, found: Residuals) -> None:
     limit = 4 * _sigma(found)
     edges = np.linspace(-limit, limit, BINS)
     kept = np.clip(found.value, edges[0], edges[-1])
-    axes.hist(kept, edges, color=LOWER_COLOUR, alpha=0.55, label="found (beyond the ends: in the last bars)")
+    axes.hist(kept, edges.tolist(), color=LOWER_COLOUR, alpha=0.55, label="found (beyond the ends: in the last bars)")
     x = np.linspace(-limit, limit, 400)
     density = np.exp(-0.5 * (x / _sigma(found)) ** 2) / (_sigma(found) * np.sqrt(2 * np.pi))
     axes.plot(x, density * found.value.size * (edges[1] - edges[0]), color=MEAN_COLOUR, label="normal, of that noise")

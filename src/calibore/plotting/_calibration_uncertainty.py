@@ -1,15 +1,16 @@
 """What a calibration's covariance means: in pixels over the image, in millimetres on the wall."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
@@ -41,6 +42,8 @@ from calibore.uncertainty import Covariance
 
 Floats = NDArray[Any]
 COLOURS = "viridis"
+EDGE = 0.85
+"""Of the highest colour: contours beyond would only follow the edge of what is drawn."""
 HARDLY, FARTHEST = 0.1, 3.0
 SPAN = 12.0
 """Colours and contours end at so many times the median: extrapolated corners would drown the rest."""
@@ -54,9 +57,8 @@ def projection_chart(camera: Camera, covariance: Covariance, valid: ValidRegion 
     grid = np.meshgrid(u, v)
     found = projection_uncertainty(camera, covariance, grid[0].ravel(), grid[1].ravel(), valid=valid)
     notes = [
-        "Standard uncertainty (k = 1) of the direction behind a pixel, in pixels, in its worst direction; a turn of the "
-        "whole camera",
-        "is taken out, because no picture of a target whose pose is unknown could tell it",
+        "Standard uncertainty (k = 1) of the direction behind a pixel, in pixels, where it is largest; a turn of the",
+        "whole camera is taken out, because no picture of a target whose pose is unknown could tell it",
     ]
     figure = new_figure(6.5, title="How well directions are known, over the image", notes=notes)
     axes = figure.subplots()
@@ -111,9 +113,8 @@ def wall_map_chart(rig: Rig, valid: ValidRegion | None, *, nominal_radius: float
     _surface(figure, axes, (found.u, found.v, values), f"U of R [{unit}]")
     axes.plot(*found.line, color=UPPER_COLOUR, linewidth=1.8)
     words = f"wall of R = {nominal_radius / scale.metres:.4g} {unit}"
-    _legend(
-        figure, [Line2D([], [], color=UPPER_COLOUR, linewidth=1.8, label=words), shade_outside(axes, rig.camera, valid)]
-    )
+    wall = Line2D([], [], color=UPPER_COLOUR, linewidth=1.8, label=words)
+    _legend(figure, [wall, shade_outside(axes, rig.camera, valid)])
     return figure
 
 
@@ -127,7 +128,7 @@ def _surface(figure: Figure, axes: Axes, found: tuple[Floats, Floats, Floats], n
     norm = LogNorm(low, max(high, 1.2 * low))
     colours = mpl.colormaps[COLOURS].with_extremes(bad="white")
     axes.pcolormesh(u, v, np.ma.masked_invalid(values), cmap=colours, norm=norm, shading="nearest", rasterized=True)
-    levels = _levels(low, high)
+    levels = _levels(low, EDGE * high)
     if levels.size and there.max() > 1.001 * there.min():
         lines = axes.contour(u, v, np.clip(values, low, 2 * high), levels=levels, colors=INK, linewidths=0.7)
         for words in axes.clabel(lines, fmt="%g", fontsize=SMALL_SIZE, inline=True, inline_spacing=3):
@@ -160,7 +161,7 @@ def _times(ratio: float) -> str:
     return f"without correlations it would seem {1 / ratio:.2g} times too small"
 
 
-def _legend(figure: Figure, handles: list[Line2D | Patch | None], *, columns: int = 2) -> None:
+def _legend(figure: Figure, handles: Sequence[Artist | None], *, columns: int = 2) -> None:
     shown = [handle for handle in handles if handle is not None]
     if shown:
         place = {"loc": "outside lower left", "fontsize": SMALL_SIZE, "frameon": False, "labelcolor": FAINT_INK}

@@ -5,6 +5,7 @@
                  `photograph_all` several lasers at once
 `simulate_scan`  a `Survey` of `Station`s written as a scan folder with truth.npz; `head_pose` of a side-facing head
 `demo_scan`      the demonstration pipe
+`photograph_board`  a chessboard, ChArUco board or dots; `unknown_fisheye`: a camera whose lens no law fits
 `photograph_rings`  a target of concentric rings in a `TargetLight`
 `random_wall`, `random_rig` of `RIG_KINDS`, `random_pose`, `draw_rig`   for studies over many rigs
 
@@ -12,6 +13,7 @@ Simple on purpose: planes, cones and sheets of light, matt walls, light reflecte
 glare, no Bayer pattern.
 """
 
+from calibore.simulation._board_target import photograph_board, unknown_fisheye
 from calibore.simulation._chance import draw_rig, random_pose, random_wall
 from calibore.simulation._demo import demo_rig, demo_scan, demo_survey, demo_wall
 from calibore.simulation._light import LineLight, LitLine, lit_line
@@ -63,6 +65,7 @@ __all__ = [
     "lit_line",
     "photograph",
     "photograph_all",
+    "photograph_board",
     "photograph_rings",
     "random_pose",
     "random_rig",
@@ -73,4 +76,5 @@ __all__ = [
     "true_quantities",
     "true_ring",
     "true_rows",
+    "unknown_fisheye",
 ]

@@ -94,7 +94,9 @@ def _centroid(
     du, dv = (float(darkness[inside] @ part[inside]) / weight for part in offset)
     spread = float(np.sqrt(np.mean(np.sum(offset[:, inside] ** 2, axis=0)) / 2 * inside.sum()))
     steepest = float(np.percentile(np.hypot(*np.gradient(grey)).ravel()[inside], 98))
-    blur = np.sqrt(max((contrast / (np.sqrt(2 * np.pi) * steepest)) ** 2 - 1 / 3, 0.01))  # 1/3: of the difference itself
+    blur = np.sqrt(
+        max((contrast / (np.sqrt(2 * np.pi) * steepest)) ** 2 - 1 / 3, 0.01)
+    )  # 1/3: of the difference itself
     return du, dv, noise * spread / weight, float(blur), float(2 * np.sqrt(area / area_of_pitch / np.pi))
 
 

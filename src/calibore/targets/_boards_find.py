@@ -16,6 +16,7 @@ Pixels = NDArray[np.uint8 | np.uint16]
 
 FEWEST = 8  # marks of a board partly seen
 ENOUGH = 0.6  # of the marks of a board that must be seen as a whole
+NEAR_BORDER = 3.0  # squares
 WIDTHS = 2.0  # blurs from a marker's edge within which it still shows
 
 
@@ -122,12 +123,28 @@ def _why_not(image: NDArray[np.uint8], board: Board) -> str:
             "photograph it sharp and evenly lit, or correct squares and dictionary."
         )
     part = chessboard_part(image) if board.kind == "chessboard" else None
-    if part is not None and part != tuple(sorted(board.corners)):
+    what = (
+        f"a chessboard of {columns} x {rows} corners"
+        if part is not None
+        else f"no {board.kind} of {columns} x {rows} {board.mark}"
+    )
+    if part is not None and (side := _border_near(part, image.shape)):
+        return f"{what} is seen in part only: it runs out of the picture at the {side}; show all of it and its white border."
+    if part is not None:
         return (
-            f"only {part[1]} x {part[0]} of the {columns} x {rows} corners of the chessboard were found; it must lie wholly "
-            "inside the picture, with its white border, sharp and less oblique."
+            f"{what} is seen in part only ({part.shape[1]} x {part.shape[0]}); nothing may cover it, and it must be sharp, evenly "
+            "lit and less oblique (or correct the counts)."
         )
     return (
-        f"no {board.kind} of {columns} x {rows} {board.mark} was found; it must lie wholly inside the picture, with its white "
-        "border, sharp and not too oblique (or correct the counts)."
+        f"{what} was found; it must lie wholly inside the picture, with its white border, sharp and not too oblique (or correct "
+        "the counts)."
     )
+
+
+def _border_near(part: Array, shape: tuple[int, ...]) -> str:
+    """The border of the picture less than a few squares from a part (r, c, 2) of a board, "" where none is."""
+    square = float(np.median(np.linalg.norm(np.diff(part, axis=1), axis=2)))
+    (left, top), (right, bottom) = part.min(axis=(0, 1)), part.max(axis=(0, 1))
+    gaps = {"left": left, "top": top, "right": shape[1] - 1 - right, "bottom": shape[0] - 1 - bottom}
+    nearest = min(gaps, key=lambda side: gaps[side])
+    return nearest if gaps[nearest] < NEAR_BORDER * square else ""

@@ -13,14 +13,16 @@ Array = NDArray[np.float64]
 Grey = NDArray[np.uint8]
 
 ENOUGH = 1.2e6  # pixels in which a board is looked for; its marks are then measured in the full picture
-LEAST_SIDE = 4  # corners along a side of a part of a board
+LEAST_SIDE = 3  # corners along a side of a part of a board
 
 
 def opencv() -> ModuleType:
     try:
         import cv2
     except ImportError as error:
-        raise InputError('Boards are found by OpenCV, which is not installed; pip install "calibore[targets]".') from error
+        raise InputError(
+            'Boards are found by OpenCV, which is not installed; pip install "calibore[targets]".'
+        ) from error
     return cv2
 
 
@@ -52,16 +54,15 @@ def _chessboard(image: Grey, board: Board) -> Array | None:
     return None
 
 
-def chessboard_part(image: Grey) -> tuple[int, int] | None:
-    """Corners along the sides of whatever chessboard is seen, smallest first; None where there is none."""
+def chessboard_part(image: Grey) -> Array | None:
+    """Corners (rows, columns, 2) [px] of whatever part of a chessboard is seen; None where there is none."""
     cv2 = opencv()
-    small = _resized(image, min(1.0, np.sqrt(ENOUGH / image.size)))
-    flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_ACCURACY
-    found, _, meta = cv2.findChessboardCornersSBWithMeta(small, (LEAST_SIDE, LEAST_SIDE), flags)
+    scale = min(1.0, np.sqrt(ENOUGH / image.size))
+    flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_NORMALIZE_IMAGE
+    found, corners, meta = cv2.findChessboardCornersSBWithMeta(_resized(image, scale), (LEAST_SIDE, LEAST_SIDE), flags)
     if not found:
         return None
-    low, high = sorted(np.shape(meta)[:2])
-    return int(low), int(high)
+    return (np.asarray(corners, dtype=float).reshape(*np.shape(meta)[:2], 2) + 0.5) / scale - 0.5
 
 
 def _dots(image: Grey, board: Board) -> Array | None:
@@ -90,9 +91,7 @@ def opencv_board(board: Board) -> Any:
     aruco = opencv().aruco
     names = {name.removeprefix("DICT_").lower(): name for name in dir(aruco) if name.startswith("DICT_")}
     if board.dictionary.lower() not in names:
-        raise InputError(
-            f'Marker dictionary "{board.dictionary}" is not known; allowed: {", ".join(sorted(names))}.'
-        )
+        raise InputError(f'Marker dictionary "{board.dictionary}" is not known; allowed: {", ".join(sorted(names))}.')
     dictionary = aruco.getPredefinedDictionary(getattr(aruco, names[board.dictionary.lower()]))
     columns, rows = board.corners[0] + 1, board.corners[1] + 1
     markers = columns * rows // 2

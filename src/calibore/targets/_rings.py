@@ -1,4 +1,4 @@
-"""Concentric rings and spokes found in a picture: centre, spokes, rings counted from the inside, every line measured."""
+"""Concentric rings and spokes found in a picture: the spokes, the rings counted from the inside, each line measured."""
 
 from typing import Any
 
@@ -26,11 +26,11 @@ def find_rings(image: NDArray[Any], *, rings: int, spokes: int) -> RingMarks:
     plane = picture_of_target(image)
     size = plane.shape[1], plane.shape[0]
     ridges = find_ridges(plane)
-    found = chosen_spokes([find_spokes(ridges, centre) for centre in likely_centres(ridges)], size, spokes)
+    found = chosen_spokes((find_spokes(ridges, centre) for centre in likely_centres(ridges)), size, spokes)
     dips = count_rings(plane, found[0].centre, found)
     count = counted_rings(dips, rings)
     lines, layout = measure(plane, first_layout(dips, found[0].centre, found, count))
-    return _marks(lines, layout.centre)
+    return _marks(lines, layout.meeting)
 
 
 def _marks(lines: list[Line], centre: Array) -> RingMarks:

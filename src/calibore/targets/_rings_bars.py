@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from calibore.targets._marks import Array
+from calibore.targets._marks import Array, Whole
 from calibore.targets._rings_strips import Strip
 
 STEPS, SETTLED = 12, 1e-4
@@ -25,6 +25,8 @@ WIDTH_PRIOR = 0.5
 LEAST_BLUR, BLUR_RANGE = 0.3, 3.0
 """px, the area of a pixel alone; factor by which the blur may differ from what was expected."""
 FAINTEST_LIGHT = 1e-4
+LEAST_FREEDOM = 0.1
+"""Of a residual that a fit nearly forces to zero."""
 GROUPS, CHI_MEDIAN = 12, 0.4549
 """Groups of brightness; median of chi-square with one degree of freedom."""
 OUTLYING_SQUARE = 20.0
@@ -97,10 +99,12 @@ def fit_bars(strip: Strip, along: Array, start: Start, noise: Noise) -> Bars:
         shared[1] = np.clip(shared[1], 0.02, 1.0)
         if np.abs(step[:, 1]).max() < SETTLED:
             break
-    predicted, _ = _model(strip.across, own[bins], shared, (along @ shared[2:])[bins])
+    predicted, slopes = _model(strip.across, own[bins], shared, (along @ shared[2:])[bins])
+    variance = noise.variance(predicted)
+    followed = equations.leverage(slopes, bins) / variance
+    square = (strip.value - predicted) ** 2 / np.maximum(1 - followed, LEAST_FREEDOM)
     counts = np.diff(np.append(strip.starts, strip.value.size))
-    square = (strip.value - predicted) ** 2 * (counts / np.maximum(counts - 3, 1))[bins]
-    misfit = np.add.reduceat(square / noise.variance(predicted), strip.starts) / counts
+    misfit = np.add.reduceat(square / variance, strip.starts) / counts
     return Bars(
         own[:, 0], own[:, 1], own[:, 2], float(shared[0]), float(shared[1]), shared[2:],
         equations.sigma(), misfit, predicted, square,
@@ -137,9 +141,7 @@ class _Equations:
     right_shared: Array
 
     @classmethod
-    def summed(
-        cls, slopes: list[Array], weight: Array, residual: Array, strip: Strip, along: Array
-    ) -> "_Equations":
+    def summed(cls, slopes: list[Array], weight: Array, residual: Array, strip: Strip, along: Array) -> "_Equations":
         count, size = strip.starts.size, len(slopes)
         block, right = np.empty((count, size, size)), np.empty((count, size))
         for row in range(size):
@@ -173,6 +175,11 @@ class _Equations:
         pull = self.right_shared - np.tensordot(self.carried, self.right, axes=([0, 1], [0, 1]))
         shared = np.linalg.solve(self.reduced, pull)
         return np.einsum("bij,bj->bi", self.inverse, self.right) - self.carried @ shared, shared
+
+    def leverage(self, slopes: list[Array], bins: Whole) -> Array:
+        """Variance (n,) that the fit takes from each pixel's residual: a bin's few dark pixels decide its place."""
+        own = np.stack(slopes[:3], axis=1)
+        return np.einsum("ni,nij,nj->n", own, self.inverse[bins], own)
 
     def sigma(self) -> Array:
         """Standard uncertainty (b,) of the places."""

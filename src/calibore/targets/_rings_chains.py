@@ -1,108 +1,45 @@
-"""Dark rings counted: dips of brightness along rays from the centre, joined round the azimuth, numbered outwards."""
+"""Dark rings counted: dips joined to chains from ray to ray, chains joined across spokes, numbered from the inside."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibore.targets._marks import Array, Whole
+from calibore.targets._rings_dips import RAYS, Dips, find_dips
 from calibore.targets._rings_spokes import Spoke
 
-RAYS = 1440
-STEP = 0.5
-"""px along a ray."""
-SMOOTHING = 0.6
-"""Gaussian [px] over the picture before rays are read; along the azimuth rays are averaged over `BESIDE` rays too."""
-BESIDE = 1.0
-SHALLOWEST, NOISIEST = 0.035, 7.0
-"""A dip is at least this fraction of the paper's brightness deep, and this many standard deviations of the noise."""
-DARKEST_PAPER = 0.3
-"""Paper is at least this bright, relative to the paper near the centre."""
-END_OF_PAPER = 0.6
-"""Beyond the last place so bright, relative to the paper beside the outermost dip, a ray has left the paper."""
-NEAREST = 4.0
-"""px from the centre to the first ring, at least."""
 BLENDED = 2.0
 """px beside a spoke in which its blur hides rings."""
 SAME_LINE = 0.35
 """Dips of neighbouring rays within this fraction of the distance to the next dip lie on one ring."""
 GAP = 3
-"""Rays over which a ring may be interrupted and still be followed."""
+"""Rays over which a chain goes on without a dip."""
 SHORTEST = 8
 """Rays: shorter chains are dirt."""
+TREND = 16
+"""Dips at the end of a chain that tell where it goes on behind a spoke."""
+WIDEST_SPOKE = 16.0
+"""px of a ring that a spoke and its blur may hide."""
 MIDDLE = 0.25
 """Rings are counted on rays at least this fraction of a sector away from the spokes."""
-MAJORITY = 0.6
-"""Of its rays that must agree on a chain's number."""
-
-
-@dataclass(frozen=True, eq=False)
-class Dips:
-    """Dark lines crossed by rays: number of the `ray` (n,), distance `radius` [px], `width` [px] at half depth, `depth`
-    as a fraction of the paper's brightness, and the ring's number `ring` (n,) from 1, 0 where not known; `azimuths`
-    (rays,) [rad]; `paper` (rays,) [px]: how far each ray stays on paper, infinite where the picture ends first.
-    """
-
-    ray: Whole
-    radius: Array
-    width: Array
-    depth: Array
-    ring: Whole
-    azimuths: Array
-    paper: Array
+AGREEING = 0.25
+"""The number of a ring is the highest that so many of its counted rays agree on: an inner ring may be missed on the
+others, but is rarely invented.
+"""
 
 
 def count_rings(plane: Array, centre: Array, spokes: tuple[Spoke, ...]) -> Dips:
-    """All dips of a picture (h, w) round the `centre` and the rings they belong to."""
-    azimuths = np.arange(RAYS) * (2 * np.pi / RAYS)
-    profiles, ends = _profiles(plane, centre, azimuths)
-    ray, radius, width, depth, paper = _dips(profiles, ends)
-    free = beside_spokes(spokes, azimuths[ray], radius) > 0.6 * width + BLENDED
-    ray, radius, width, depth = ray[free], radius[free], width[free], depth[free]
-    chain = _chains(ray, radius)
+    """The dips of a picture (h, w) round the `centre` with the rings they belong to."""
+    dips = find_dips(plane, centre)
+    azimuth = dips.azimuths[dips.ray]
+    dips = dips.kept(beside_spokes(spokes, azimuth, dips.radius) > 0.6 * dips.width + BLENDED)
+    chain = _chains(dips.ray, dips.radius)
     long = np.bincount(chain, minlength=1)[chain] >= SHORTEST
-    ray, radius, width, depth, chain = ray[long], radius[long], width[long], depth[long], chain[long]
-    counted = _in_the_middle(spokes, azimuths)[ray]
-    return Dips(ray, radius, width, depth, _numbers(ray, radius, chain, counted), azimuths, paper)
-
-
-def _profiles(plane: Array, centre: Array, azimuths: Array) -> tuple[Array, Whole]:
-    """Brightness (rays, steps) along the rays, and how many steps of each lie in the picture."""
-    from scipy.ndimage import gaussian_filter, gaussian_filter1d, map_coordinates
-
-    height, width = plane.shape
-    corners = np.array([[0, 0], [width, 0], [0, height], [width, height]]) - centre
-    radius = np.arange(0, np.hypot(*corners.T).max(), STEP)
-    u = centre[0] + radius * np.cos(azimuths)[:, None]
-    v = centre[1] + radius * np.sin(azimuths)[:, None]
-    smooth = gaussian_filter(plane.astype(np.float32), SMOOTHING)
-    profiles = map_coordinates(smooth, [v, u], order=1, mode="nearest")
-    inside = (u >= 0) & (u <= width - 1) & (v >= 0) & (v <= height - 1)
-    return gaussian_filter1d(profiles, BESIDE, axis=0, mode="wrap"), inside.sum(axis=1)
-
-
-def _dips(profiles: Array, ends: Whole) -> tuple[Whole, Array, Array, Array, Array]:
-    """Ray (n,), distance [px] of the middle between the flanks, width at half depth [px] and relative depth of all dark
-    lines; where each ray leaves the paper.
-    """
-    from scipy.signal import find_peaks
-
-    paper = np.quantile(profiles[:, : int(ends.max()) // 4], 0.8)
-    noise = np.median(np.abs(np.diff(profiles, n=2, axis=0))) / 0.6745 / np.sqrt(6)
-    least = max(NOISIEST * noise, 0.3 * SHALLOWEST * paper)
-    found, leaves = [], ends * STEP
-    for ray, (profile, end) in enumerate(zip(profiles, ends, strict=True)):
-        line = profile[:end]
-        index, about = find_peaks(-line, prominence=least, width=0, rel_height=0.5)
-        depth, left, right = about["prominences"], about["left_ips"] * STEP, about["right_ips"] * STEP
-        shoulder = line[index] + depth
-        kept = (depth > SHALLOWEST * shoulder) & (shoulder > DARKEST_PAPER * paper) & (left + right > 2 * NEAREST)
-        found.append((np.full(index.size, ray), (left + right) / 2, right - left, depth / shoulder, kept))
-        if kept.any():
-            bright = np.flatnonzero(line > END_OF_PAPER * shoulder[kept][-1])[-1]
-            leaves[ray] = bright * STEP
-    ray, radius, width, depth, kept = (np.concatenate(part) for part in zip(*found, strict=True))
-    return ray[kept], radius[kept], width[kept], depth[kept], leaves
+    dips, chain = dips.kept(long), np.unique(chain[long], return_inverse=True)[1].astype(np.intp)
+    ring = _across_spokes(dips, chain)[chain]
+    counted = _in_the_middle(spokes, dips.azimuths)[dips.ray]
+    return replace(dips, ring=_numbers(dips.ray, dips.radius, ring, counted))
 
 
 def beside_spokes(spokes: tuple[Spoke, ...], azimuth: Array, radius: Array) -> Array:
@@ -165,17 +102,59 @@ def _room(ray: Whole, radius: Array) -> Array:
     return np.where(np.isfinite(room), room, radius)
 
 
-def _numbers(ray: Whole, radius: Array, chain: Whole, counted: NDArray[np.bool_]) -> Whole:
-    """The ring (n,) of each dip: the place in the row outwards on which most of the counted rays of its chain agree."""
+def _across_spokes(dips: Dips, chain: Whole) -> Whole:
+    """The ring (chains,) to which each chain belongs: ends of chains that point at one another across a spoke."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    count = int(chain.max(initial=-1)) + 1
+    first, last, room = _ends(dips, chain, count)
+    gap = (first[:, 0] - last[:, :1]) % RAYS
+    middle = last[:, 1:2] + last[:, 2:] * gap / 2
+    apart = np.abs(middle - (first[:, 1] - first[:, 2] * gap / 2))
+    hidden = gap * (2 * np.pi / RAYS) * last[:, 1:2]
+    near = (hidden < WIDEST_SPOKE + 2 * room[:, None] * SAME_LINE) & (gap < RAYS / 8)
+    near &= apart < SAME_LINE * np.minimum(room[:, None], room)
+    apart = np.where(near, apart, np.inf)
+    to, back = (apart.argmin(axis=axis) if count else np.zeros(0, dtype=np.intp) for axis in (1, 0))
+    mutual = np.flatnonzero((back[to] == np.arange(count)) & np.isfinite(apart.min(axis=1, initial=np.inf)))
+    graph = coo_matrix((np.ones(mutual.size), (mutual, to[mutual])), shape=(count, count))
+    return connected_components(graph, directed=False)[1].astype(np.intp)
+
+
+def _ends(dips: Dips, chain: Whole, count: int) -> tuple[Array, Array, Array]:
+    """Ray, radius [px] and slope [px per ray] at the first and at the last ray of each chain (chains, 3), and the
+    distance (chains,) [px] to its neighbours.
+    """
+    room = _room(dips.ray, dips.radius)
+    first, last, typical = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count)
+    for name in range(count):
+        member = np.flatnonzero(chain == name)
+        ray, radius = _unwrapped(dips.ray[member]), dips.radius[member]
+        order = np.argsort(ray, kind="stable")
+        for end, part in ((first, order[:TREND]), (last, order[-TREND:])):
+            slope, level = np.polyfit(ray[part] - ray[part].mean(), radius[part], 1)
+            edge = ray[part][0] if end is first else ray[part][-1]
+            end[name] = edge % RAYS, level + slope * (edge - ray[part].mean()), slope
+        typical[name] = np.median(room[member])
+    return first, last, typical
+
+
+def _unwrapped(ray: Whole) -> Whole:
+    """The rays of one chain without the jump from the last ray to the first, beginning after its longest gap."""
+    present = np.unique(ray)
+    gaps = np.diff(present, append=present[0] + RAYS)
+    start = present[(int(gaps.argmax()) + 1) % present.size]
+    return (ray - start) % RAYS + start
+
+
+def _numbers(ray: Whole, radius: Array, ring: Whole, counted: NDArray[np.bool_]) -> Whole:
+    """The number (n,) of the ring of each dip, 0 where too few rays agree: its place in the row outwards."""
     order = np.lexsort((radius, ray))
-    first = np.searchsorted(ray[order], ray[order])
     place = np.empty(ray.size, dtype=np.intp)
-    place[order] = np.arange(ray.size) - first + 1
-    number = np.zeros(ray.size, dtype=np.intp)
-    for name in np.unique(chain):
-        member = chain == name
-        votes = np.bincount(place[member & counted], minlength=2)
-        best = int(votes.argmax())
-        if votes[best] > MAJORITY * votes.sum():
-            number[member] = best
-    return number
+    place[order] = np.arange(ray.size) - np.searchsorted(ray[order], ray[order]) + 1
+    votes = np.zeros((int(ring.max(initial=0)) + 1, int(place.max(initial=0)) + 1))
+    np.add.at(votes, (ring[counted], place[counted]), 1)
+    agreed = votes >= AGREEING * np.maximum(votes.sum(axis=1, keepdims=True), 1)
+    best = np.where(agreed.any(axis=1), agreed.shape[1] - 1 - agreed[:, ::-1].argmax(axis=1), 0)
+    return best[ring]

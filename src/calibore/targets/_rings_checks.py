@@ -1,5 +1,6 @@
-"""Pictures that cannot be used, and why: exposure, sharpness, what of the target is in the picture and what is counted."""
+"""Pictures that cannot be used, and why: exposure, sharpness, what of the target is seen, what contradicts itself."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import ImageError
 from calibore.targets._marks import Array
-from calibore.targets._rings_chains import Dips
+from calibore.targets._rings_dips import Dips
 from calibore.targets._rings_spokes import Spoke
 
 SMALLEST = 200
@@ -24,8 +25,12 @@ WHOLE = 0.6
 WHOLE_RINGS = 2
 BORDER = 1
 """A target may have so many more rings than stated: its border."""
-JUMP = (0.45, 1.7)
-"""The distance from ring to ring changes by less than these factors at a step."""
+HIDDEN = 0.08
+"""Of the way round: shorter gaps are spokes."""
+JUMP = (0.62, 1.6)
+"""From ring to ring their distance grows or shrinks by a factor that itself changes less than this."""
+SHRINKING = 0.4
+"""The distance to the next ring is at least this fraction of the last."""
 PLAIN = 12.0
 """px: where the next ring would be at least so far away, it could not be overlooked."""
 EXPECTED = 0.5
@@ -53,12 +58,13 @@ def picture_of_target(image: NDArray[Any]) -> Array:
     return plane / float(np.iinfo(image.dtype).max)
 
 
-def chosen_spokes(tries: list[tuple[Spoke, ...]], size: tuple[int, int], stated: int) -> tuple[Spoke, ...]:
+def chosen_spokes(tries: Iterable[tuple[Spoke, ...]], size: tuple[int, int], stated: int) -> tuple[Spoke, ...]:
     """The spokes round the likeliest of several centres; refuses a picture (width, height) without target."""
+    best: tuple[Spoke, ...] = ()
     for spokes in tries:
         if len(spokes) == stated and _inside(spokes[0].centre, size):
             return spokes
-    best = max(tries, key=len, default=())
+        best = max(best, spokes, key=len)
     if len(best) < 2:
         raise ImageError(
             "No ring target was found: nowhere do dark spokes meet on a lighter ground. Photograph the whole target, "
@@ -102,11 +108,12 @@ def counted_rings(dips: Dips, stated: int) -> int:
 
 
 def _refuse_one_sided(dips: Dips, rings: int) -> None:
-    rays = dips.azimuths.size
+    from scipy.ndimage import grey_closing
+
     for ring in range(1, rings + 1):
-        seen = np.zeros(rays, dtype=bool)
-        seen[dips.ray[dips.ring == ring]] = True
-        seen |= dips.hidden[ring - 1]
+        seen = np.zeros(dips.azimuths.size)
+        seen[dips.ray[dips.ring == ring]] = 1
+        seen = grey_closing(seen, size=int(HIDDEN * seen.size), mode="wrap")
         quadrants = seen.reshape(4, -1).mean(axis=1)
         if seen.mean() < WHOLE or quadrants.min() < WHOLE / 2:
             towards = ("lower right", "lower left", "upper left", "upper right")[int(quadrants.argmin())]
@@ -119,19 +126,18 @@ def _refuse_one_sided(dips: Dips, rings: int) -> None:
 
 def _refuse_gaps(dips: Dips, count: int) -> None:
     """Refuses rings whose distances jump: one between them was not seen, or something else was taken for a ring."""
-    radius = _radii(dips, count)
-    steps = np.diff(radius, axis=0, prepend=0.0)
-    with np.errstate(invalid="ignore"):
-        change = steps[1:] / steps[:-1]
-    for ring, ratios in enumerate(change, 1):
-        if np.isfinite(ratios).sum() < SEEN / 2 * dips.azimuths.size:
-            continue
-        typical = float(np.nanmedian(ratios))
-        following = float(np.nanmedian(change[ring])) if ring < len(change) else typical
-        if not JUMP[0] * min(1.0, following) < typical < JUMP[1]:
+    steps = np.diff(_radii(dips, count), axis=0, prepend=0.0)
+    changes = []
+    for outer, inner in zip(steps[1:], steps[:-1], strict=True):
+        both = np.isfinite(outer / inner)
+        changes.append(float(np.median(outer[both] / inner[both])) if both.any() else np.nan)
+    for ring, change in enumerate(changes, 1):
+        beside = np.array([changes[other - 1] for other in (ring - 1, ring + 1) if 1 <= other <= len(changes)])
+        jumps = ~((change > JUMP[0] * beside) & (change < JUMP[1] * beside)) & np.isfinite(change * beside)
+        if jumps.size and jumps.all():
             raise ImageError(
-                f"The distance between rings changes by a factor of {typical:.2f} at ring {ring}: a ring was missed "
-                "or something else was taken for one; photograph the target evenly lit, with nothing before it."
+                f"The distance between rings changes by a factor of {change:.2f} at ring {ring}: a ring was missed or "
+                "something else was taken for one; photograph the target evenly lit, with nothing before it."
             )
 
 
@@ -139,7 +145,7 @@ def _refuse_absence(dips: Dips, count: int, stated: int) -> None:
     """Refuses a picture in which the next ring would have to be seen, were there one."""
     radius = _radii(dips, count)
     last, before = radius[-1] - radius[-2], radius[-2] - (radius[-3] if count > 2 else 0)
-    step = last * np.clip(last / before, JUMP[0], 1.0)
+    step = last * np.clip(last / before, SHRINKING, 1.0)
     with np.errstate(invalid="ignore"):
         plain = (step > PLAIN) & (radius[-1] + 1.5 * step < dips.frame)
     if np.isfinite(step).any() and plain.mean() > EXPECTED:

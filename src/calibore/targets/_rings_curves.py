@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from calibore.targets._marks import Array
 from calibore.targets._rings_spokes import DEGREE, Spoke
@@ -17,6 +16,8 @@ TABLE_STEP = 0.5
 """px between the places tabulated along a curve."""
 FOOT_STEPS = 3
 TABULATED = 4096
+MEETING_SIGMA = 0.1
+"""px: how well it is known where the spokes meet."""
 OUTLYING = 4.0
 """Robust standard deviations beyond which data hardly bend a curve."""
 
@@ -166,18 +167,20 @@ def spoke_curve(spoke: Spoke, first: float, last: float) -> Curve:
     speed = np.sqrt(1 + slope**2)
     normal = (spoke.across - slope[:, None] * spoke.along) / speed[:, None]
     arc = np.concatenate([[0.0], np.cumsum(speed * TABLE_STEP)[:-1]])
-    return Curve(spoke.centre, spoke.points(distance), normal, speed * TABLE_STEP, -second / speed**3, arc, distance, False)
+    return Curve(
+        spoke.centre, spoke.points(distance), normal, speed * TABLE_STEP, -second / speed**3, arc, distance, False
+    )
 
 
-def refitted(spoke: Spoke, places: Array, sigma: Array) -> Spoke:
-    """The spoke through measured `places` (n, 2) [px] with `sigma` (n,) [px]."""
-    s, t = (places - spoke.centre) @ spoke.along, (places - spoke.centre) @ spoke.across
+def refitted(spoke: Spoke, places: Array, sigma: Array, *, meeting: Array) -> Spoke:
+    """The spoke through measured `places` (n, 2) [px] with `sigma` (n,) [px] and the `meeting` (2,) of all spokes."""
+    s, t = spoke.coordinates(np.concatenate([[meeting], places]))
+    sigma = np.concatenate([[MEETING_SIGMA], sigma])
     reach = float(s.max())
     design = np.vander(s / reach, DEGREE + 1, increasing=True) / sigma[:, None]
     weight = np.ones(s.shape)
     for _ in range(4):
         solution = np.linalg.lstsq(design * weight[:, None], t / sigma * weight, rcond=None)[0]
         weight = 1 / (1 + ((t / sigma - design @ solution) / OUTLYING) ** 2)
+        weight[0] = 1.0
     return Spoke(spoke.centre, spoke.azimuth, solution / reach ** np.arange(DEGREE + 1), spoke.length)
-
-

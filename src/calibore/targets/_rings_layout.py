@@ -1,14 +1,13 @@
 """What is known of a target's rings and spokes in a picture, and so what room there is to measure each line alone."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.errors import ImageError
 from calibore.targets._marks import Array
-from calibore.targets._rings_chains import Dips
 from calibore.targets._rings_curves import HARMONICS, Round, fit_round
+from calibore.targets._rings_dips import Dips
 from calibore.targets._rings_spokes import Spoke
 
 APART = 5.5
@@ -21,7 +20,7 @@ MARGIN = 1.5
 """px of paper beside a line, to know its brightness."""
 USUAL_CONTRAST = 0.85
 SATURATED_DEPTH = 0.7
-"""Dips deeper than this fraction of the ink's contrast are as wide as the ink; shallower ones are as wide as the blur."""
+"""Dips deeper than this fraction of the ink's contrast are as wide as the ink, shallower ones as wide as the blur."""
 WIDTH_WAVES, WIDTH_STIFFNESS = 6, 1e-3
 FWHM = 2.355
 """Full width at half depth of a Gaussian, in standard deviations."""
@@ -40,11 +39,12 @@ class Ring:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Rings from 1 outwards, spokes and their ink widths (constant, linear, ...) [px], `blur` [px], ink `contrast`;
-    `paper` (rays,) [px]: where each ray leaves it.
+    """Rings from 1 outwards round the `centre` (2,) [px], spokes and their ink widths (constant, linear, ...) [px],
+    `meeting` (2,) of the spokes as measured, `blur` [px], ink `contrast`; `paper` (rays,) [px]: where rays leave it.
     """
 
     centre: Array
+    meeting: Array
     rings: tuple[Ring, ...]
     spokes: tuple[Spoke, ...]
     spoke_widths: tuple[Array, ...]
@@ -117,7 +117,7 @@ def first_layout(dips: Dips, centre: Array, spokes: tuple[Spoke, ...], count: in
     rings = tuple(_ring(dips, number, blur) for number in range(1, count + 1))
     widest = max(float(rings[0].width(dips.azimuths).max()), NARROWEST) * 1.15
     widths = tuple(np.array([widest]) for _ in spokes)
-    return Layout(centre, rings, spokes, widths, blur, USUAL_CONTRAST, dips.paper)
+    return Layout(centre, centre, rings, spokes, widths, blur, USUAL_CONTRAST, dips.paper)
 
 
 def _ring(dips: Dips, number: int, blur: float) -> Ring:

@@ -9,6 +9,7 @@ from calibore.targets._marks import Array
 from calibore.targets._rings_bars import Bars, Noise, Start, fit_bars, learn_noise
 from calibore.targets._rings_curves import Curve, harmonics, refitted, ring_curve, spoke_curve
 from calibore.targets._rings_layout import CLEAR, NARROWEST, Layout, Ring, smooth_radius, smooth_width
+from calibore.targets._rings_spokes import meeting_of
 from calibore.targets._rings_strips import Strip, strip_along
 
 PASSES = 2
@@ -19,12 +20,16 @@ BROAD = 2.6
 """Blurs of ink width from which a line's own contrast can be told from its width."""
 CONTRAST_SIGMA, SAME_INK = 0.3, 0.004
 """Standard uncertainty of the ink's contrast before it is known, and from line to line."""
-LIGHT_WAVES, LIGHT_POWERS = 4, 3
-"""Harmonics along a ring, powers along a spoke, of the slope of the light."""
+LIGHT_WAVES, LIGHT_POWERS, WIDTH_POWERS = 4, 3, 2
+"""Harmonics along a ring and powers along a spoke of the slope of the light; powers of a spoke's ink width."""
 FAINT = 0.3
 """A bin whose ink is narrower than this fraction of what was expected shows no line."""
 WORST_MISFIT = 4.0
 """Chi-square per degree of freedom, relative to the line's median."""
+BESIDE, FARTHEST_OFF, ROUGHNESS = 9, 6.0, 0.02
+"""A place so many standard deviations and px off the median of the bins beside it is no mark."""
+LARGEST = 2.0
+"""Blurs from the expected curve to a place that can be the line's."""
 FEWEST_BINS = 12
 RELATIVE_NOISE = 1e-4
 """First guess: variance of a pixel relative to its brightness (shot noise) and to full scale."""
@@ -59,7 +64,9 @@ def measure(plane: Array, layout: Layout) -> tuple[list[Line], Layout]:
 
 def _first_look(plane: Array, layout: Layout, noise: Noise) -> Layout:
     """The layout with blur and contrast of its innermost rings, whose lines are the broadest."""
-    looks = [_ring_line(plane, layout, number, noise, _step(layout)) for number in FIRST_RINGS if number <= len(layout.rings)]
+    looks = [
+        _ring_line(plane, layout, number, noise, _step(layout)) for number in FIRST_RINGS if number <= len(layout.rings)
+    ]
     seen = [line for line in looks if line is not None]
     if not seen:
         return layout
@@ -120,7 +127,15 @@ def _spoke_line(plane: Array, layout: Layout, number: int, noise: Noise, step: f
 
 
 def _fitted(
-    strip: Strip, curve: Curve, along: Array, width: Array, layout: Layout, noise: Noise, *, ring: int = 0, spoke: int = -1
+    strip: Strip,
+    curve: Curve,
+    along: Array,
+    width: Array,
+    layout: Layout,
+    noise: Noise,
+    *,
+    ring: int = 0,
+    spoke: int = -1,
 ) -> Line | None:
     """The line's marks, moved from where blur has shifted a curved line to where its ink is."""
     if strip.starts.size < FEWEST_BINS:
@@ -133,31 +148,44 @@ def _fitted(
     direction = curve.at(curve.normal, strip.middle)
     direction /= np.hypot(*direction.T)[:, None]
     place = curve.at(curve.point, strip.middle) + (bars.place + shift)[:, None] * direction
-    good = (bars.width > FAINT * expected) & (bars.misfit < WORST_MISFIT * np.median(bars.misfit))
+    good = _good(bars, expected)
     if good.sum() < FEWEST_BINS:
         return None
     return Line(ring, spoke, place[good], direction[good], bars.sigma[good], bars.width[good], bars)
 
 
+def _good(bars: Bars, expected: Array) -> NDArray[np.bool_]:
+    """Bins (b,) whose pixels show the line and nothing else, at a place like that of the bins beside them."""
+    from scipy.ndimage import median_filter
+
+    off = np.abs(bars.place - median_filter(bars.place, size=BESIDE, mode="nearest"))
+    good = (bars.width > FAINT * expected) & (bars.misfit < WORST_MISFIT * np.median(bars.misfit))
+    return good & (off < FARTHEST_OFF * bars.sigma + ROUGHNESS) & (np.abs(bars.place) < LARGEST * bars.blur)
+
+
 def _renewed(layout: Layout, lines: list[Line]) -> Layout:
-    """The layout as measured: curves and widths of the lines, blur, contrast."""
+    """The layout as measured: curves and widths of the lines, blur, contrast, and where the spokes meet."""
     rings, spokes, widths = list(layout.rings), list(layout.spokes), list(layout.spoke_widths)
     for line in lines:
         if line.ring:
             azimuth, radius = _polar(*line.place.T, layout.centre)
-            rings[line.ring - 1] = Ring(
-                smooth_radius(azimuth, radius), smooth_width(azimuth, line.width), rings[line.ring - 1].seen
-            )
+            radius, width = smooth_radius(azimuth, radius), smooth_width(azimuth, line.width)
+            rings[line.ring - 1] = Ring(radius, width, rings[line.ring - 1].seen)
         else:
-            spoke = layout.spokes[line.spoke]
-            spokes[line.spoke] = refitted(spoke, line.place, line.sigma)
-            distance = (line.place - spoke.centre) @ spoke.along
-            widths[line.spoke] = np.polynomial.polynomial.polyfit(distance, line.width, 2)
+            spokes[line.spoke] = refitted(spokes[line.spoke], line.place, line.sigma, meeting=layout.meeting)
+            distance, _ = spokes[line.spoke].coordinates(line.place)
+            widths[line.spoke] = np.polynomial.polynomial.polyfit(distance, line.width, WIDTH_POWERS)
+    measured = tuple(spokes[line.spoke] for line in lines if line.spoke >= 0)
     blur = float(np.median([line.bars.blur for line in lines]))
     broad = [line.bars.contrast for line in lines if np.median(line.width) > BROAD * line.bars.blur]
-    contrast = float(np.median(broad)) if broad else layout.contrast
     return replace(
-        layout, rings=tuple(rings), spokes=tuple(spokes), spoke_widths=tuple(widths), blur=blur, contrast=contrast
+        layout,
+        rings=tuple(rings),
+        spokes=tuple(spokes),
+        spoke_widths=tuple(widths),
+        meeting=meeting_of(measured) if len(measured) > 1 else layout.meeting,
+        blur=blur,
+        contrast=float(np.median(broad)) if broad else layout.contrast,
     )
 
 

@@ -30,8 +30,8 @@ DEGREE = 4
 
 @dataclass(frozen=True, eq=False)
 class Spoke:
-    """`azimuth` [rad] in which a spoke leaves the `centre` (2,) [px]; its offset to the right of that direction (towards
-    growing azimuth) at the distance s is the polynomial with `coefficients`, known up to `length` [px].
+    """`azimuth` [rad] in which a spoke leaves the `centre` (2,) [px]; its offset from that direction, towards growing
+    azimuth, is a polynomial of the distance with `coefficients`, known up to `length` [px].
     """
 
     centre: Array
@@ -47,6 +47,11 @@ class Spoke:
     def across(self) -> Array:
         return np.array([-np.sin(self.azimuth), np.cos(self.azimuth)])
 
+    def coordinates(self, places: Array) -> tuple[Array, Array]:
+        """Distance along the spoke's direction and offset from it, both (n,) [px], of `places` (n, 2)."""
+        relative = places - self.centre
+        return relative @ self.along, relative @ self.across
+
     def offset(self, distance: Array) -> Array:
         return np.polynomial.polynomial.polyval(distance, self.coefficients)
 
@@ -57,7 +62,6 @@ class Spoke:
 
 def find_spokes(ridges: Ridges, centre: Array) -> tuple[Spoke, ...]:
     """Spokes in order of azimuth, all with the `centre` in which they meet."""
-    spokes: tuple[Spoke, ...] = ()
     for _ in range(ROUNDS):
         azimuths = _directions(ridges, centre)
         if azimuths.size < 2:
@@ -65,8 +69,15 @@ def find_spokes(ridges: Ridges, centre: Array) -> tuple[Spoke, ...]:
         lines = [_inner_line(ridges, centre, azimuth) for azimuth in azimuths]
         centre = meeting_point(*zip(*lines, strict=True))
     azimuths = np.sort(np.array([np.arctan2(*along[::-1]) % (2 * np.pi) for _, along in lines]))
-    spokes = tuple(_traced(ridges, centre, float(azimuth)) for azimuth in azimuths)
-    return spokes
+    return tuple(_traced(ridges, centre, float(azimuth)) for azimuth in azimuths)
+
+
+def meeting_of(spokes: tuple[Spoke, ...]) -> Array:
+    """Where (2,) [px] spokes meet: there they are nearly straight."""
+    slopes = [spoke.along + spoke.coefficients[1] * spoke.across for spoke in spokes]
+    return meeting_point(
+        tuple(spoke.points(np.zeros(1))[0] for spoke in spokes), tuple(slope / np.hypot(*slope) for slope in slopes)
+    )
 
 
 def meeting_point(points: tuple[Array, ...], alongs: tuple[Array, ...]) -> Array:
@@ -139,7 +150,7 @@ def _inner_line(ridges: Ridges, centre: Array, azimuth: float) -> tuple[Array, A
 
 def _traced(ridges: Ridges, centre: Array, azimuth: float) -> Spoke:
     """The spoke as far as it can be followed, from its inner stretch outwards."""
-    distance, turn, passing = _relative(ridges, centre)
+    distance, _, passing = _relative(ridges, centre)
     along, across = _axes(azimuth)
     s, t = (ridges.point - centre) @ along, (ridges.point - centre) @ across
     scale = ridges.scale
