@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from calibore.calibration._in_situ_file import ProfileFile, ProfileTarget
 from calibore.calibration._in_situ_marks import Marks
 from calibore.calibration._in_situ_wall import WallGrid, WallReference
+from calibore.calibration._in_words import Unit
 from calibore.lasers import Plane, Sheet
 from calibore.optics import Camera, Lens
 from calibore.rigs import Laser, Rig, SideFacing, moved
@@ -32,7 +34,7 @@ def side_rig():
     return Rig("side-facing", camera, (Laser(Sheet(), "red"),), mount=SideFacing(2.355 * INCH, np.radians(19.9)))
 
 
-def sightings(rig, wall, rng, *, pose=None, noise=NOISE, marks=90):
+def sightings(rig, wall, rng, *, pose=None, noise=NOISE, marks=60):
     """Marks of `rig` in the pipe; the reference lies at `pose` (6,) in the scan's frame."""
     pose = np.zeros(6) if pose is None else pose
     forward = not isinstance(rig.mount, SideFacing)
@@ -47,7 +49,8 @@ def _rings(rig):
 
 
 def _stops():
-    return [(f"stop {n}", 0.075, n * np.pi / 12 + np.pi) for n in range(24)]
+    clocks = (0.0, 0.8, 1.2, 1.5, 1.8, 2.4, 3.2, 4.1, 4.5, 4.9, 5.6)
+    return [(f"stop {n}", 0.075, clock + np.pi) for n, clock in enumerate(clocks)]
 
 
 def _look(rig, reference, name, noise, count, rng):
@@ -67,6 +70,11 @@ def _look(rig, reference, name, noise, count, rng):
     off = rng.normal(0, noise, count)
     u, v = u + off * direction[:, 0], v + off * direction[:, 1]
     return Marks(name, u, v, direction, np.full(count, 0.5), reference.axial, reference.roll)
+
+
+def target(rig, wall, folder):
+    said = ProfileFile(format="calibore-target/1", kind="profile", rig="rig.toml", profile="out")
+    return ProfileTarget(folder / "target.toml", said, rig, wall, Unit("in", INCH), ())
 
 
 def drawn(rig, covariance, rng):

@@ -69,7 +69,7 @@ def gauge_look(
     u_tilt: float = 0.01,
     noise: float = 0.1,
     neighbour: float = 0.6,
-    marks: int = 120,
+    marks: int = 240,
     laser: int = 0,
     setting: str | None = None,
     stop: str | None = None,
@@ -109,7 +109,7 @@ def flat_ahead_look(
     u_tilt: float = 0.01,
     noise: float = 0.1,
     neighbour: float = 0.6,
-    marks: int = 120,
+    marks: int = 240,
     off: float = 0.0,
 ) -> Look:
     """The line of a cone on a flat at `stand_off` + `off` [m], by halving along rays from the cone's axis."""

@@ -117,7 +117,9 @@ def random_case(rng: np.random.Generator, *, per_ring: int = 240, line: float | 
     u_ring = float(rng.choice([0.0, 2e-5]))
     ink = 0.05 * spacing
     printed = radii + rng.normal(0, u_ring, rings)
-    noise = Noise(float(rng.uniform(0.02, 0.1)), float(rng.uniform(0, 0.5)), rng.uniform(0, 0.02) if line is None else line)
+    noise = Noise(
+        float(rng.uniform(0.02, 0.1)), float(rng.uniform(0, 0.5)), rng.uniform(0, 0.02) if line is None else line
+    )
     marks = noisy(exact_marks(camera, target, printed, per_ring=per_ring, ink_width=ink), noise, rng)
     marks = shifted(marks, rng.normal(0, FINDER_ERROR, 3))
     nominal = baseline * float(rng.uniform(0.8, 1.1))

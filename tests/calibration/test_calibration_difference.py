@@ -159,6 +159,23 @@ def test_independent_calibrations_of_one_camera_agree():
     assert other.wall.radius.min() >= 0.7 * RADIUS - 1e-12  # where both had points
 
 
+def test_a_rig_and_a_camera_file_are_compared_by_their_cameras():
+    rig = known(plane_rig())
+    covariance = rig.covariance.restricted(rig.camera.parameter_names)
+    other = KnownCamera(replace(rig.camera, lens=replace(rig.camera.lens, k=rig.camera.lens.k + 40)), covariance)
+    found = difference(rig, other)
+    assert found.wall is None
+    assert found.changes[0].name == "camera.k"
+    assert found.p < 0.01
+
+
+def test_a_calibration_down_to_the_axis_is_compared_off_it():
+    rig = replace(known(plane_rig()), valid=ValidRegion(radius=(0.0, 1.2 * RADIUS)))
+    found = difference(rig, rig, nominal_radius=RADIUS)
+    assert found.wall.radius.min() > 0
+    assert found.p == 1.0
+
+
 def test_without_any_stated_uncertainty_there_is_no_verdict():
     a, b = (KnownCamera(fisheye(c1=c1)) for c1 in (-0.02, -0.03))
     found = difference(a, b)

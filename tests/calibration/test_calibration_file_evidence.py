@@ -1,14 +1,22 @@
 """What a calibration states follows from its FILE and evidence alone."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from calibration_examples import NAMES, calibration, fitted
 
-from calibore.calibration import read_calibration, recomputed_covariance, write_calibration
+from calibore.calibration import (
+    calibrate,
+    read_calibration,
+    recomputed_covariance,
+    verify_inputs,
+    write_calibration,
+)
 from calibore.errors import InputError
 
+SIMULATED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated"
 SEEDS = range(1, 4)
 ROUNDING = 1e-6
 SCATTER = 1e-4
@@ -88,3 +96,15 @@ def test_evidence_is_a_plain_group_that_others_can_open(tmp_path):
         assert store["jacobian"].dims == ("row", "parameter")
         assert list(store.attrs["names"])[:4] == list(NAMES)
         assert np.array_equal(store["residual"], read_calibration(tmp_path / "lens.toml").observations.residual)
+
+
+@pytest.mark.parametrize(("verb", "folder"), [("probe", "tactile"), ("rig", "side-range")])
+def test_so_does_that_of_real_calibrations_and_a_changed_input_is_seen(tmp_path, verb, folder):
+    source = SIMULATED / folder
+    if not source.is_dir():
+        pytest.skip(f"{source} is absent: no calibration of it is checked against its evidence")
+    found, out = calibrate(verb, source), tmp_path / "found.toml"
+    write_calibration(found, out)
+    assert change(recomputed_covariance(out), found.covariance) < SCATTER
+    assert verify_inputs(out, source) == {}
+    assert set(verify_inputs(out, tmp_path).values()) == {"missing"}

@@ -68,6 +68,11 @@ def test_a_wall_outside_the_picture_is_not_measured():
     assert np.isnan(found.mean[1])
 
 
+def test_on_the_axis_there_is_no_wall():
+    for rig in (known(plane_rig()), known(cone_rig())):
+        assert np.isnan(wall_uncertainty(rig, radii=[0.0]).mean).all()
+
+
 def test_a_spot_array_is_judged_at_its_beams():
     beams = [Beam(0.02, 0.0, 0.0, 1.1, clock) for clock in (1.0, 2.5, 4.0)]
     rig = Rig("spot-array", plane_rig().camera, tuple(Laser(beam) for beam in beams))

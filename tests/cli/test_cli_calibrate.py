@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import calibore.calibration
 from calibore.calibration import Calibration, Comparison, InputFile, Observations, read_calibration, write_calibration
-from calibore.calibration._dispatch import BOARDS, FUNCTIONS, VERBS, calibrate
+from calibore.calibration._dispatch import KINDS, calibrate
 from calibore.cli import main
 from calibore.cli._calibrate_words import aligned, digits_for, said_in
 from calibore.errors import InputError
@@ -104,7 +103,7 @@ def gauges(monkeypatch):
             progress and progress(1, 1)
             return result
 
-        monkeypatch.setattr(calibore.calibration, "calibrate_gauges", calibrate_gauges, raising=False)
+        monkeypatch.setattr("calibore.calibration._gauges.calibrate_gauges", calibrate_gauges)
 
     return finds
 
@@ -178,21 +177,22 @@ def test_a_destination_that_is_not_ours_is_refused_before_any_work(target, call,
     assert (tmp_path / "rig.toml").read_text() == "mine"
 
 
-@pytest.mark.parametrize("kind", VERBS)
-@pytest.mark.parametrize("verb", sorted(set(VERBS.values())))
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("verb", sorted({verb for verb, *_ in KINDS.values()}))
 def test_a_target_of_another_kind_is_told_which_command_to_use(target, monkeypatch, kind, verb):
     def calibrated(path, *, progress=None):
         return replace(found(), kind=f"{path} {kind}")
 
-    monkeypatch.setattr(calibore.calibration, FUNCTIONS.get(kind, BOARDS), calibrated, raising=False)
+    asked, module, function = KINDS[kind]
+    monkeypatch.setattr(f"calibore.calibration.{module}.{function}", calibrated)
     folder = target(kind)
-    if VERBS[kind] == verb:
+    if asked == verb:
         for path in (folder, folder / "target.toml"):
             made = calibrate(verb, path)
             assert made.kind == f"{folder / 'target.toml'} {kind}"
             assert [file.name for file in made.files] == ["a.png", "b.png", "c.png", "target.toml"]
     else:
-        with pytest.raises(InputError, match=rf"target.toml is of kind {kind}: use `calibore calibrate {VERBS[kind]}`"):
+        with pytest.raises(InputError, match=rf"target.toml is of kind {kind}: use `calibore calibrate {asked}`"):
             calibrate(verb, folder)
 
 
@@ -256,9 +256,8 @@ def test_the_next_pictures_are_planned(file, call, tmp_path):
     assert status == 0
     assert re.search(r"On a wall of 150 mm u of the radius is [\d.]+ mm now", said)
     assert len(re.findall(r"^ +\d\. ", said, re.MULTILINE)) == 2
-    facts = json.loads(call("plan", file, tmp_path, "--radius", "150 mm", "--json")[1])
-    assert len(facts["steps"]) == 3
-    assert facts["steps"][-1]["u_m"] <= facts["before_u_m"]
+    before, after = (float(re.findall(pattern, said)[-1]) for pattern in (r"is ([\d.]+) mm now", r"([\d.]+) mm\n"))
+    assert after <= before
 
 
 def test_a_radius_without_a_unit_is_wrong_usage(file, call):
@@ -290,3 +289,10 @@ def test_a_lens_has_no_wall_but_an_image(call, tmp_path):
     assert status == 0
     assert "On the wall" not in said
     assert "Over the image" in said
+
+
+def test_pages_are_written_where_asked_for(file, call, tmp_path):
+    status, said, _ = call("show", file, "--radius", "150 mm", "--out", tmp_path / "page")
+    assert status == 0
+    assert said.splitlines()[-1] == f"Page: {tmp_path / 'page' / 'calibration.html'}"
+    assert (tmp_path / "page" / "calibration.html").is_file()

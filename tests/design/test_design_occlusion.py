@@ -6,7 +6,6 @@ from random_designs import CONFIGURATIONS, random_study
 
 from calibore.design import (
     Study,
-    lit_points,
     misalignments,
     occlusion,
     plane_rig,
@@ -16,7 +15,7 @@ from calibore.design import (
     source_of,
 )
 from calibore.errors import InputError
-from calibore.rigs import moved
+from calibore.rigs import lit_points, moved
 
 
 @pytest.mark.parametrize("baseline", [0.5, 1.0, 2.0, 5.0])

@@ -7,10 +7,10 @@ from math import erf
 import numpy as np
 import pytest
 
-from calibore.design import AS_PUBLISHED, cone_rig, lit_points, plane_rig, predict_on_wall, side_rig
+from calibore.design import AS_PUBLISHED, cone_rig, plane_rig, predict_on_wall, side_rig
 from calibore.lasers import Cone, MeetingFlag, Sheet, ring_angles
 from calibore.optics import Camera, Lens
-from calibore.rigs import Laser, Rig, SideFacing, meetings_of, triangulate
+from calibore.rigs import Laser, Rig, SideFacing, lit_points, meetings_of, triangulate
 from calibore.uncertainty import Covariance, propagate
 
 CASES = 25

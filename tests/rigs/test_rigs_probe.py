@@ -72,3 +72,16 @@ def test_a_probe_needs_a_slope_a_noise_and_its_own_covariance():
     for bad in ({"slope": 0.0}, {"noise": -1.0}, {"covariance": Covariance(NAMES[::-1], np.eye(2))}):
         with pytest.raises(InputError):
             Probe(**{"slope": 0.1, "intercept": 0.1, "covariance": known, **bad})
+
+
+def test_the_modes_hold_slope_and_intercept_and_a_bend_that_vanishes_at_the_anchor():
+    rng = np.random.default_rng(1)
+    root = rng.normal(size=(2, 2)) * 1e-5
+    probe = Probe(0.133, 0.116, Covariance(NAMES, root @ root.T), linearity=2e-5, stroke=(0.05, 0.65))
+    ratio = rng.uniform(0, 0.7, 40)
+    by_both = probe.sensitivities(ratio)
+    modes = probe.common_modes(ratio)
+    np.testing.assert_allclose(modes[:, :2] @ modes[:, :2].T, by_both @ root @ root.T @ by_both.T, atol=1e-18)
+    assert probe.common_modes(probe.anchor)[1:] == pytest.approx([0, 0], abs=1e-18)
+    ends = probe.common_modes([0.05, 0.35, 0.65])[:, 2]
+    assert ends[0] - ends[1] == pytest.approx(1.5 * 2e-5)

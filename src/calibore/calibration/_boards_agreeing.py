@@ -20,8 +20,8 @@ DOT_ROUNDS = 2
 
 
 def agreeing_boards(pictures: BoardPictures) -> tuple[BoardData, list[Estimate], BoardPictures]:
-    """Data without the marks and pictures that contradict the others, which are told among the files; an estimate of each
-    law that images such boards. Marks that are dots are moved to where their centres are.
+    """Data without the marks and pictures that contradict the others; an estimate of each law that images such boards;
+    what is left, the reasons told among its files. Dots are moved to where their centres are.
     """
     law, measured = pictures.target.lens, _data(pictures)
     starts = first_estimates(measured, board_models(law))

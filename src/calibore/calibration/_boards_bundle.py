@@ -27,8 +27,8 @@ CAUCHY = 3.0  # medians of the residuals at which a mark counts half in a robust
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A `model` with `values` (p,) of `names`; `poses` (m, 6) and `bends` (3,) of the board as of `BoardData`; `residual`
-    (n, 2) [px] measured minus predicted; whether the search `converged`.
+    """A `model` with `values` (p,) of `names`; `poses` (m, 6) and `bends` (3,) of the board as of `BoardData`;
+    `residual` (n, 2) [px] measured minus predicted; whether the search `converged`.
     """
 
     model: LensModel
@@ -83,8 +83,11 @@ def bundle(
     steps: int = STEPS,
     settled: float = SETTLED,
 ) -> Estimate:
-    """The least squares estimate near `start`; parameters not in `free` (None: all, with the board's bends) are held. `robust`: marks far off
-    count little (Cauchy). It has converged when a step takes less than `settled` of the sum of squares. Raises InputError where the model does not image all marks at the start.
+    """The least squares estimate near `start`.
+
+    Parameters not in `free` are held (None: all are free, with the board's bends). `robust`: marks far off count little
+    (Cauchy). It has converged when a step takes less than `settled` of the sum of squares. Raises InputError where the
+    model does not image all marks at the start.
     """
     columns = [i for i, name in enumerate(start.names) if free is None or name in free]
     search = _Search(data, start, columns, bent=free is None and data.u_bend > 0, robust=robust)

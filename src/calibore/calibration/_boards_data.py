@@ -36,8 +36,8 @@ class BoardData:
     in order from 0 and does not decrease; `sigma` (n,) [px] of each coordinate, up to a common factor; image `size`;
     `extent` [m] from the middle of the board to the outermost marks along x and y.
 
-    One board, on all pictures: it rises out of its plane by `bends @ shapes`; `u_bend` [m]: standard uncertainty of each
-    of the three bends before any picture, 0 where it is flat.
+    One board, on all pictures: it rises out of its plane by `bends @ shapes`; `u_bend` [m]: standard uncertainty of
+    each of the three bends before any picture, 0 where it is flat.
     """
 
     pixel: Array

@@ -12,8 +12,8 @@ RIM = 24  # points on the rim: their polygon has the disc's centroid within 1e-3
 
 
 def dot_shift(data: BoardData, estimate: Estimate, diameter: float) -> Array:
-    """Centroid of the image of each dot of `diameter` [m] minus the image of its centre (n, 2) [px]; NaN of dots that are
-    not imaged whole.
+    """Centroid of the image of each dot of `diameter` [m] minus the image of its centre (n, 2) [px]; NaN of dots that
+    are not imaged whole.
     """
     points, _ = data.points(estimate.poses, estimate.bends)
     turn = 2 * np.pi * np.arange(RIM) / RIM

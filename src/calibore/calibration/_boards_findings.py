@@ -25,8 +25,8 @@ def findings_of(
     k = PIXEL.said(found.fit.value("camera.k"), found.u("camera.k"))
     said = [
         f"Lens: {chosen.model.name}, k = {k} with u = {found.u('camera.k'):.2g} px. {_reason(trials, chosen)}",
-        f"{found.data.boards} pictures, {len(found.data.owner)} {pictures.target.board.mark}: residuals {found.estimate.rms:.4f} "
-        f"px (rms), {chosen.cross_validated:.4f} px on boards left out; zenith {low:.0f}-{high:.0f} deg.",
+        f"{found.data.boards} pictures, {len(found.data.owner)} {pictures.target.board.mark}: residuals "
+        f"{found.estimate.rms:.4f} px (rms), {chosen.cross_validated:.4f} px on boards left out; zenith {low:.0f}-{high:.0f} deg.",
     ]
     return (*said, *_bend(found, pictures))
 
@@ -58,8 +58,8 @@ def _bend(found: BoardFit, pictures: BoardPictures) -> list[str]:
     worst = int(np.argmax(np.abs(bends)))
     stated = "" if pictures.target.flatness is not None else ' (state its flatness = ".. mm" if you know it)'
     return [
-        f"The board is not flat: it rises by {1e3 * abs(bends[worst]):.3f}({1e3 * u[worst]:.3f}) mm from its middle to its sides; "
-        f"this is taken into account{stated}."
+        f"The board is not flat: it rises by {1e3 * abs(bends[worst]):.3f}({1e3 * u[worst]:.3f}) mm from its middle to "
+        f"its sides; this is taken into account{stated}."
     ]
 
 
@@ -74,7 +74,7 @@ def warnings_of(found: BoardFit, files: Sequence[InputFile], coverage: Sequence[
     related = found.fit.partial_autocorrelation
     if related.size and related[0] > RELATED:
         said.append(
-            f"residuals of neighbouring marks resemble each other (correlation {related[0]:.2f}): board, print or lens differ "
-            "from the model; the uncertainty takes it into account."
+            f"residuals of neighbouring marks resemble each other (correlation {related[0]:.2f}): board, print or lens "
+            "differ from the model; the uncertainty takes it into account."
         )
     return tuple(said)

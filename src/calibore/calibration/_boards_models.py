@@ -105,7 +105,7 @@ def _converged(data: BoardData, start: Estimate) -> Estimate:
 
 
 def left_out_errors(data: BoardData, estimate: Estimate) -> Array:
-    """Mean squared error (m,) [px^2] of each board's marks, of one coordinate, when only its own pose is fitted to it."""
+    """Mean squared error (m,) [px^2] of a coordinate of each board's marks when only its own pose is fitted to it."""
     errors = np.full(data.boards, np.inf)
     folds = np.arange(data.boards) % min(FOLDS, data.boards)
     for fold in range(folds.max() + 1):

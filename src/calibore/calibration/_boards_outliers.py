@@ -47,8 +47,8 @@ def cleaned(data: BoardData, starts: Sequence[Estimate], law: str | None) -> Cle
         lost = len(refused)
         if lost > max(1, MANY * data.boards):
             raise InputError(
-                f"{lost} of {data.boards} pictures contradict the others ({next(iter(refused.values())).rstrip('.')}); check "
-                "corners and square in target.toml, and that one flat board was photographed with one camera at one setting."
+                f"{lost} of {data.boards} pictures contradict the others ({next(iter(refused.values())).rstrip('.')}); "
+                "check corners and square, and that one flat board was photographed with one camera at one setting."
             )
         used = keep
         if np.unique(data.owner[used]).size < 2:
@@ -106,7 +106,7 @@ def _judged(data: BoardData, used: Mask, estimate: Estimate) -> tuple[Mask, dict
             keep &= data.owner != board
             others = float(np.median([rms[other] for other in boards if other != board]))
             reasons[int(board)] = (
-                f"its marks lie {rms[board]:.2f} px (rms) from where the other pictures put them, theirs {others:.2f} px; the "
-                "board or the camera's setting was another one, or it was bent or wrongly found."
+                f"its marks lie {rms[board]:.2f} px (rms) from where the other pictures put them, theirs {others:.2f} px; "
+                "the board or the camera's setting was another one, or it was bent or wrongly found."
             )
     return keep, reasons

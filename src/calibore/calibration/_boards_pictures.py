@@ -36,8 +36,8 @@ def _known_law(law: str) -> str:
 
 
 class BoardTargetFile(Document):
-    """[m]. `corners` (or dots) along rows and columns, inner ones; or `squares`, one more each. `square`: a square, or the
-    pitch of dots (of an asymmetric grid: from row to row); `dot`: their diameter; `flatness`: how far the board may be
+    """[m]. `corners` (or dots) along rows and columns, inner ones; or `squares`, one more each. `square`: a square, or
+    the pitch of dots (of an asymmetric grid: from row to row); `dot`: their diameter; `flatness`: how far the board may be
     off its plane, 0 for a flat one, left out where unknown; `lens`: the law where it is known.
     """
 
@@ -147,8 +147,8 @@ def _sharp_ones(found: list[BoardMarks | str]) -> list[BoardMarks | str]:
     usual = float(np.median(blurs)) if blurs else np.inf
     limit = max(FUZZY * usual, SHARP)
     return [
-        f"blurred: its edges are {marks.blur:.1f} px wide (standard deviation), those of the others {usual:.1f} px; hold "
-        "camera and board still, in focus."
+        f"blurred: its edges are {marks.blur:.1f} px wide (standard deviation), those of the others {usual:.1f} px; "
+        "hold camera and board still, in focus."
         if isinstance(marks, BoardMarks) and marks.blur > limit
         else marks
         for marks in found
@@ -169,7 +169,8 @@ def _photographs(toml: Path, target: BoardTargetFile) -> list[Path]:
     files = sorted({file for pattern in patterns for file in _matching(toml.parent, pattern)})
     if not files:
         raise InputError(
-            f'{toml}: images = "{", ".join(patterns)}" matches no file in {toml.parent}; write a pattern such as "*.png".'
+            f'{toml}: images = "{", ".join(patterns)}" matches no file in {toml.parent}; write a pattern such as '
+            '"*.png".'
         )
     return files
 

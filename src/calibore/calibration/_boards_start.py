@@ -1,7 +1,7 @@
 """Where the search for an unknown lens starts: for each law k is tried, and every board's pose follows from its rays.
 
-With the unit ray d of a mark and its place X = (x, y, 1) on the board, d x (H X) = 0; H = (r1 r2 t) up to its scale. That
-is linear in H and holds for rays of any zenith, also beyond 90 deg.
+With the unit ray d of a mark and its place X = (x, y, 1) on the board, d x (H X) = 0; H = (r1 r2 t) up to its scale.
+That is linear in H and holds for rays of any zenith, also beyond 90 deg.
 """
 
 import numpy as np

@@ -53,14 +53,14 @@ def check_poses(data: BoardData, estimate: Estimate, pictures: BoardPictures) ->
     if distinct < FEWEST - 1:
         poses = "one pose" if distinct == 1 else f"{distinct} poses"
         raise InputError(
-            f"{pictures.toml}: all {count} photographs show the board at {poses}, from which k, the principal point and the "
-            f"board's distance cannot be told apart; {ADVICE}."
+            f"{pictures.toml}: all {count} photographs show the board at {poses}, from which k, the principal point and "
+            f"the board's distance cannot be told apart; {ADVICE}."
         )
     tilt = widest_tilt(estimate.poses)
     if tilt < PARALLEL:
         raise InputError(
-            f"{pictures.toml}: the board was held at one tilt, within {np.degrees(tilt):.1f} deg, in all {count} photographs: k and "
-            f"its distance cannot be told apart (correlation {distance_correlation(data, estimate):.4f}); {ADVICE}."
+            f"{pictures.toml}: the board was held at one tilt, within {np.degrees(tilt):.1f} deg, in all {count} "
+            f"photographs: k and its distance cannot be told apart (correlation {distance_correlation(data, estimate):.4f}); {ADVICE}."
         )
 
 
@@ -113,8 +113,8 @@ def check_identified(found: BoardFit, pictures: BoardPictures) -> None:
     u = found.u(worst)
     known = f"known to {u:.3g} px only" if np.isfinite(u) else "not known at all"
     raise InputError(
-        f"{pictures.toml}: {worst} is {known}: it cannot be told apart from {other} (correlation {correlation:.4f}); the boards "
-        f"are tilted against each other by at most {np.degrees(widest_tilt(found.estimate.poses)):.0f} deg; {ADVICE}."
+        f"{pictures.toml}: {worst} is {known}: it cannot be told apart from {other} (correlation {correlation:.4f}); "
+        f"the boards are tilted against each other by at most {np.degrees(widest_tilt(found.estimate.poses)):.0f} deg; {ADVICE}."
     )
 
 
@@ -128,7 +128,7 @@ def check_fit(chosen: Trial) -> None:
 
 
 def leaning_on_law(found: BoardFit, free: Sequence[Comparison]) -> list[str]:
-    """A warning where k is only known because the lens is taken to follow its law exactly; `free`: polynomials tried."""
+    """A warning where k is only known because the lens is taken to follow its law; `free`: polynomials tried."""
     known = [row.estimates["camera.k"] for row in free if row.parameters >= len(found.camera_names) and row.estimates]
     if not known:
         return []
@@ -138,8 +138,8 @@ def leaning_on_law(found: BoardFit, free: Sequence[Comparison]) -> list[str]:
         return []
     tilt = np.degrees(widest_tilt(found.estimate.poses))
     return [
-        f"k rests on the lens following its law: a free polynomial would leave it uncertain by {100 * loose:.2g} %; the boards "
-        f"are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
+        f"k rests on the lens following its law: a free polynomial would leave it uncertain by {100 * loose:.2g} %; the "
+        f"boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
     ]
 
 

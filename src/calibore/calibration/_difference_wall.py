@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._difference_sides import Side, alike
+from calibore.calibration._difference_sides import Side, alike_rigs
 from calibore.calibration._difference_test import Evidence, Judgement, judged
 from calibore.calibration._on_the_wall import on_the_wall, root_mean_square, wall_clocks
 from calibore.errors import InputError
@@ -82,17 +82,17 @@ def compare_walls(a: Side, b: Side, radii: Array, nominal_radius: float) -> tupl
             "The two rigs see no common wall of the radii compared; give the nominal radius that they measure."
         )
     names = a.rig.parameter_names
-    slopes = ((seen.slopes[0] + seen.slopes[1]) / 2,) * 2 if alike(a, b) else seen.slopes
+    slopes = ((seen.slopes[0] + seen.slopes[1]) / 2,) * 2 if alike_rigs(a, b) else seen.slopes
     first, second = (
         _without_shift(_motions(slope, one, names).reshape(*size, -1), clock, centred=centred)
         for slope, one in zip(slopes, (a, b), strict=True)
     )
     linear = difference
-    if alike(a, b):
+    if alike_rigs(a, b):
         change = np.array([b.values[name] - a.values[name] for name in names])
         linear = _without_shift((slopes[0] @ change).reshape(*size, 1), clock, centred=centred)[..., 0]
     evidence = _evidence(difference, linear, first, second, (a.degrees_of_freedom, b.degrees_of_freedom))
-    judgement = judged(evidence, curvature=0.0 if alike(a, b) else BENDING / nominal_radius)
+    judgement = judged(evidence, curvature=0.0 if alike_rigs(a, b) else BENDING / nominal_radius)
     both = np.concatenate([first, second], axis=2)
     u, u_mean = (np.sqrt((modes**2).sum(axis=-1)) for modes in (both, _mean(both)))
     mean = _mean(difference[..., None])[:, 0]

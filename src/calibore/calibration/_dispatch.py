@@ -15,28 +15,20 @@ from calibore.errors import InputError
 
 Progress = Callable[[int, int], None]
 TARGET = "target.toml"
-VERBS: dict[str, str] = {
-    "concentric-rings": "lens",
-    "chessboard": "lens",
-    "charuco": "lens",
-    "circle-grid": "lens",
-    "asymmetric-circle-grid": "lens",
-    "range": "rig",
-    "ring-gauge": "rig",
-    "two-pin": "pupil",
-    "probe": "probe",
-    "profile": "profile",
+BOARD = ("lens", "_boards", "calibrate_boards")
+KINDS: dict[str, tuple[str, str, str]] = {
+    "concentric-rings": ("lens", "_rings", "calibrate_rings"),
+    "chessboard": BOARD,
+    "charuco": BOARD,
+    "circle-grid": BOARD,
+    "asymmetric-circle-grid": BOARD,
+    "range": ("rig", "_range", "calibrate_range"),
+    "ring-gauge": ("rig", "_gauges", "calibrate_gauges"),
+    "two-pin": ("pupil", "_pupil", "calibrate_pupil"),
+    "probe": ("probe", "_probe", "calibrate_probe"),
+    "profile": ("profile", "_in_situ", "calibrate_profile"),
 }
-"""By kind of target: the word after `calibore calibrate`."""
-FUNCTIONS: dict[str, str] = {
-    "concentric-rings": "calibrate_rings",
-    "range": "calibrate_range",
-    "ring-gauge": "calibrate_gauges",
-    "two-pin": "calibrate_pupil",
-    "probe": "calibrate_probe",
-    "profile": "calibrate_profile",
-}
-BOARDS = "calibrate_boards"
+"""By kind of target: the word after `calibore calibrate`, module and function, imported when they are needed."""
 
 
 def calibrate(verb: str, path: Path | str, *, progress: Progress | None = None) -> Calibration:
@@ -45,10 +37,11 @@ def calibrate(verb: str, path: Path | str, *, progress: Progress | None = None) 
     Raises InputError where the target is of another kind, or does not tell enough.
     """
     path, kind = target_of(path)
-    if VERBS[kind] != verb:
-        raise InputError(f"{path} is of kind {kind}: use `calibore calibrate {VERBS[kind]}`.")
-    function = getattr(import_module("calibore.calibration"), FUNCTIONS.get(kind, BOARDS))
-    found: Calibration = function(path, progress=progress)
+    asked, module, function = KINDS[kind]
+    if asked != verb:
+        raise InputError(f"{path} is of kind {kind}: use `calibore calibrate {asked}`.")
+    calibrated = getattr(import_module(f"calibore.calibration.{module}"), function)
+    found: Calibration = calibrated(path, progress=progress)
     if any(file.name == path.name for file in found.files):
         return found
     return replace(found, files=(*found.files, InputFile(path.name, hash_of_file(path))))
@@ -64,8 +57,8 @@ def target_of(path: Path | str) -> tuple[Path, str]:
                 f"{path.parent} holds no {TARGET}; write one that says what was photographed, beside the pictures."
             )
     kind = read_document(path, _Heading).kind
-    if kind not in VERBS:
-        raise InputError(f'{path}: key kind = "{kind}" is not known; allowed: {", ".join(VERBS)}.')
+    if kind not in KINDS:
+        raise InputError(f'{path}: key kind = "{kind}" is not known; allowed: {", ".join(KINDS)}.')
     return path, kind
 
 

@@ -132,8 +132,23 @@ def tactile_wall(scan: ScanSpec, probe: Probe, *, u: float | None = None) -> Wal
         raise InputError(f"{scan.folder}: a tactile reference needs motion.axial and motion.angular in its scan.toml.")
     ratio = signal / np.where(bias > 0, bias, np.nan)
     axial, clock = scan.motion.axial(np.arange(len(signal))), scan.angular.clock(np.arange(signal.shape[1]))
-    shared = float(probe.u_common(np.nanmedian(ratio))) if u is None else u
-    return _grid(axial, clock, probe.radius(ratio), shared)
+    columns = np.argsort(clock % (2 * np.pi), kind="stable")
+    rows = np.argsort(axial, kind="stable")
+    radius = probe.radius(ratio)[np.ix_(rows, columns)]
+    shared = float(probe.common_modes(probe.anchor)[0]) if u is None else u
+    bends, pivot = bends_of(probe), float(probe.radius(probe.anchor))
+    return WallGrid(axial[rows], clock[columns] % (2 * np.pi), radius, shared, bends, pivot)
+
+
+def bends_of(probe: Probe) -> Array:
+    """Causes (k, 2) by which all radii of a probe may be wrong together, as polynomials of the radius from that at the
+    anchor: its slope, and the bend of its line.
+    """
+    half, middle = (probe.stroke[1] - probe.stroke[0]) / 2, sum(probe.stroke) / 2
+    slope = [float(probe.covariance.u[0]) / probe.slope, 0.0]
+    place, step = (probe.anchor - middle) / half, 1 / (probe.slope * half)
+    bend = [1.5 * probe.linearity * 2 * place * step, 1.5 * probe.linearity * step**2]
+    return np.array([cause for cause in (slope, bend) if any(cause)]).reshape(-1, 2)
 
 
 def read_table(path: Path, *, u: float | None = None) -> WallGrid:
@@ -152,14 +167,6 @@ def read_table(path: Path, *, u: float | None = None) -> WallGrid:
         )
     stated = float(np.median(rows[:, 3])) if rows.shape[1] == 4 else DEFAULT_U
     return WallGrid(axial, clock, radius, stated if u is None else u)
-
-
-def _grid(axial: Array, clock: Array, radius: Array, u: float) -> WallGrid:
-    """In rising order, the clock within one turn."""
-    clock = np.round(clock % (2 * np.pi), 12)
-    _, columns = np.unique(clock, return_index=True)
-    rows = np.argsort(axial, kind="stable")
-    return WallGrid(axial[rows], clock[columns], radius[np.ix_(rows, columns)], u)
 
 
 def _voltages(path: Path) -> Array:

@@ -21,6 +21,8 @@ TOLD = 0.1
 """Lengths and k are told where their foreseen standard uncertainty is below this fraction of them."""
 TOLD_ANGLE = np.radians(3.0)
 TOLD_SLOPE = 0.03
+CLEARLY = 4.0
+"""Difference of AICc from which on one model is clearly better."""
 LENGTHS = ("baseline", "k", "offset")
 ANGLES = ("aim", "half_angle")
 
@@ -50,23 +52,41 @@ def fit_in_situ(
     """
     old = rig.covariance or Covariance.independent({})
     _check(rig, free)
-    others = tuple(name for name, u in zip(old.names, old.u, strict=True) if u > 0)
-    wanted, untold = free or candidates(rig), ()
-    if free is None:
-        wanted, untold = _told(rig, looks, wanted, others, old)
-    beside = tuple(name for name in others if name not in wanted)
-    known = old.restricted(beside) if beside else None
-    found = fit_rig(rig, looks, free=(*wanted, *beside), prior=known)
-    change = change_of(found, wanted, old=old)
+    possible = free or candidates(rig)
+    wanted = possible if free else _told(rig, looks, possible, old)
+    found = _fit(rig, looks, wanted, old)
     clean = _without_outliers(found)
-    models = _models(rig, clean, wanted, beside, known)
+    models = _models(rig, clean, wanted, possible, old)
+    if len(wanted) < len(possible) and (better := _better_alone(models, wanted)):
+        wanted = (better,)
+        found = _fit(rig, looks, wanted, old)
     combined = None
     if prior:
-        every = (*wanted, *beside)
+        every = (*wanted, *_beside(old, wanted))
         combined = fit_rig(
-            rig, clean, free=every, prior=old.restricted([n for n in every if n in others]), robust=False
+            rig, clean, free=every, prior=old.restricted([n for n in every if n in old.names]), robust=False
         )
-    return InSitu(found, combined, change, models, untold)
+    untold = tuple(name for name in possible if name not in wanted)
+    return InSitu(found, combined, change_of(found, wanted, old=old), models, untold)
+
+
+def _beside(old: Covariance, wanted: tuple[str, ...]) -> tuple[str, ...]:
+    """Parameters that are not looked for but known with an uncertainty."""
+    return tuple(name for name, u in zip(old.names, old.u, strict=True) if u > 0 and name not in wanted)
+
+
+def _fit(rig: Rig, looks: tuple[Look, ...], wanted: tuple[str, ...], old: Covariance, *, robust: bool = True) -> RigFit:
+    beside = _beside(old, wanted)
+    return fit_rig(rig, looks, free=(*wanted, *beside), prior=old.restricted(beside) if beside else None, robust=robust)
+
+
+def _better_alone(models: tuple[Comparison, ...], wanted: tuple[str, ...]) -> str | None:
+    """The parameter whose change alone explains the pipe clearly better than that of the one which was looked for."""
+    alone = {next(iter(model.estimates)): model.aicc for model in models if len(model.estimates) == 1}
+    best = min(alone, key=lambda name: alone[name], default=None)
+    if len(wanted) > 1 or best in (None, *wanted) or alone[best] > alone.get(wanted[0], np.inf) - CLEARLY:
+        return None
+    return best
 
 
 def candidates(rig: Rig) -> tuple[str, ...]:
@@ -96,22 +116,20 @@ def _check(rig: Rig, free: tuple[str, ...] | None) -> None:
         raise InputError('free is empty; name parameters such as "laser.baseline", or leave it out.')
 
 
-def _told(
-    rig: Rig, looks: tuple[Look, ...], wanted: tuple[str, ...], others: tuple[str, ...], old: Covariance
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The `wanted` that the reference tells apart, given up from the last, and those given up."""
-    left = list(wanted)
+def _told(rig: Rig, looks: tuple[Look, ...], possible: tuple[str, ...], old: Covariance) -> tuple[str, ...]:
+    """Those of the `possible` parameters that the reference tells apart, given up from the last."""
+    left = possible
     while True:
-        beside = [name for name in others if name not in left]
+        beside = _beside(old, left)
         u = foreseen(rig, looks, free=(*left, *beside), prior=old.restricted(beside) if beside else None)
         if all(u[name] <= _enough(rig, name) for name in left):
-            return tuple(left), wanted[len(left) :]
+            return left
         if len(left) == 1:
             raise InputError(
                 f"The reference does not tell {left[0]}: the marks that can be compared with it are too few or too "
                 "alike; scan a stretch of pipe with more clock positions and stations."
             )
-        left.pop()
+        left = left[:-1]
 
 
 def _enough(rig: Rig, name: str) -> float:
@@ -131,21 +149,25 @@ def _without_outliers(found: RigFit) -> tuple[Look, ...]:
 
 
 def _models(
-    rig: Rig, looks: tuple[Look, ...], wanted: tuple[str, ...], beside: tuple[str, ...], known: Covariance | None
+    rig: Rig, looks: tuple[Look, ...], wanted: tuple[str, ...], possible: tuple[str, ...], old: Covariance
 ) -> tuple[Comparison, ...]:
     """Nothing moved, one parameter moved, all of them: the same marks for all, the best first."""
-    single = [(name,) for name in wanted] if len(wanted) > 1 else []
     fits, rows = [], []
-    for moving in ((), *single, wanted):
+    for moving in dict.fromkeys([(), *((name,) for name in possible), wanted]):
         try:
-            fit = fit_rig(rig, looks, free=(*moving, *beside), prior=known, robust=False)
+            fit = _fit(rig, looks, moving, _held(old, possible), robust=False)
         except InputError:
             continue
         fits.append((moving, fit))
         rows.append(information_criteria(fit.fit))
-    criteria = np.array(rows) - np.min(rows, axis=0)
+    criteria = np.array(rows) - np.min(rows, axis=0) if rows else np.zeros((0, 2))
     order = np.argsort(criteria[:, 0], kind="stable")
     return tuple(_comparison(*fits[i], *criteria[i]) for i in order)
+
+
+def _held(old: Covariance, possible: tuple[str, ...]) -> Covariance:
+    """What is known of the parameters that cannot have moved; the others are either free or held."""
+    return old.restricted([name for name in old.names if name not in possible])
 
 
 def _comparison(moving: tuple[str, ...], found: RigFit, aicc: float, bic: float) -> Comparison:

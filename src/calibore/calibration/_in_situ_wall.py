@@ -1,6 +1,6 @@
 """The wall of a pipe as somebody else has measured it: a grid of radii, and the `Reference` that light falls on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -38,13 +38,18 @@ class Height(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class WallGrid:
     """`radius` (m, n) [m] at `axial` (m,) [m], rising, and `clock` (n,) [rad], rising within one turn; NaN where it was
-    not measured. `u` [m]: standard uncertainty that all radii share; None where it is not stated.
+    not measured. `u` [m]: standard uncertainty that all radii share.
+
+    `bends` (k, 2): k further causes by which all radii may be wrong together, one standard deviation of each being
+    bends[:, 0] (R - pivot) + bends[:, 1] (R - pivot)^2 with `pivot` [m].
     """
 
     axial: Array
     clock: Array
     radius: Array
-    u: float | None = None
+    u: float = 0.0
+    bends: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    pivot: float = 0.0
 
     def __post_init__(self) -> None:
         if self.radius.shape != (self.axial.size, self.clock.size) or self.clock.size < 8:
@@ -143,11 +148,11 @@ class WallReference(Reference):
 
     @property
     def nuisance_names(self) -> tuple[str, ...]:
-        return POSE
+        return (*POSE, *(f"bend_{cause}" for cause in range(len(self.wall.bends))))
 
     @property
     def nuisance_u(self) -> Array:
-        return self.u_pose
+        return np.concatenate([self.u_pose, np.ones(len(self.wall.bends))])
 
     def place(self, points: Array, pose: Array) -> tuple[Array, Array, Array]:
         """x, y, z (n,) [m] in the reference's frame of `points` (n, 3) of the rig's."""
@@ -162,19 +167,23 @@ class WallReference(Reference):
         )
 
     def gap(self, points: Array, nuisance: Array) -> Gap:
-        """R - R_ref(z, clock)."""
-        pose = self.pose + nuisance
+        """R - R_ref(z, clock) - what the reference's bends add at R."""
+        pose, bent = self.pose + nuisance[: len(POSE)], nuisance[len(POSE) :] @ self.wall.bends
         x, y, z = self.place(points, pose)
         wall, along = self.wall.height(z, np.arctan2(x, -y)), z - self.wall.axial.mean()
         radius = np.hypot(x, y)
-        by_x = x / radius + wall.by_clock * y / radius**2
-        by_y = y / radius - wall.by_clock * x / radius**2
+        off = radius - self.wall.pivot
+        outwards = 1 - bent[0] - 2 * bent[1] * off
+        by_x = outwards * x / radius + wall.by_clock * y / radius**2
+        by_y = outwards * y / radius - wall.by_clock * x / radius**2
         by_z = by_x * pose[4] + by_y * pose[5] - wall.by_axial
         c, s = np.cos(self.roll + pose[0]), np.sin(self.roll + pose[0])
         by_point = np.stack([c * by_x + s * by_y, c * by_y - s * by_x, by_z], axis=1)
         by_roll = by_x * -(s * points[:, 0] + c * points[:, 1]) + by_y * (c * points[:, 0] - s * points[:, 1])
         by_pose = np.stack([by_roll, by_x, by_y, by_z, by_x * along, by_y * along], axis=1)
-        return Gap(radius - wall.radius, by_point, by_pose)
+        by_bends = -np.stack([off, off**2], axis=1) @ self.wall.bends.T
+        value = radius - wall.radius - bent[0] * off - bent[1] * off**2
+        return Gap(value, by_point, np.concatenate([by_pose, by_bends], axis=1))
 
 
 def _around(clock: Array, row: Array) -> Array | None:

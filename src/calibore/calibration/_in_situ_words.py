@@ -5,13 +5,12 @@ from collections.abc import Iterable, Iterator
 from calibore.calibration._calibration import Comparison, InputFile
 from calibore.calibration._in_situ_change import Change
 from calibore.calibration._in_situ_file import ProfileTarget
-from calibore.calibration._in_situ_fit import InSitu
+from calibore.calibration._in_situ_fit import CLEARLY, InSitu
 from calibore.calibration._in_situ_pose import SETTING, Aligned
 from calibore.calibration._in_situ_wall import POSE
 from calibore.calibration._in_words import DEGREE, Unit, unit_of, word_of
+from calibore.calibration._rig_values import value_of
 
-CLEARLY = 4.0
-"""Difference of AICc from which on one model is clearly better."""
 FEW = 0.5
 """Fraction of marks compared below which people should know."""
 
@@ -53,7 +52,7 @@ def _table(change: Change, unit: Unit) -> Iterator[str]:
 def _explained(found: InSitu) -> Iterator[str]:
     """Which change alone would do."""
     single = [model for model in found.models if len(model.estimates) == 1]
-    if found.change.tenable or len(found.change.names) < 2 or not single:
+    if found.change.tenable or len(single) < 2:
         return
     best, *rest = single
     alike = [one for one in rest if one.aicc - best.aicc < CLEARLY]
@@ -69,7 +68,7 @@ def _explained(found: InSitu) -> Iterator[str]:
 
 def _single(model: Comparison, found: InSitu) -> str:
     name, estimate = next(iter(model.estimates.items()))
-    before = dict(zip(found.change.names, found.change.before.tolist(), strict=True))[name]
+    before = value_of(found.found.model.rig, name)
     return f"{word_of(name)} by {100 * (estimate.value - before) / before:+.2f} %"
 
 

@@ -32,10 +32,11 @@ class LensModel:
         """The camera with `values` by dotted path; without one: square pixels, principal point in the image's middle,
         an ideal lens.
         """
-        extras = {extra: values.get(f"camera.{extra}", 0.0) for extra in self.extras}
+        extras = [values.get(f"camera.{extra}", 0.0) for extra in self.extras]
         if self.law == "polynomial":
-            extras = {"polynomial": tuple(extras.values())}
-        lens = Lens(self.law, values["camera.k"], height / 2, **extras)
+            lens = Lens(self.law, values["camera.k"], height / 2, polynomial=tuple(extras))
+        else:
+            lens = Lens(self.law, values["camera.k"], height / 2, *extras)
         middle = middle_of(width, height)
         point = values.get(CENTRE[0], middle[0]), values.get(CENTRE[1], middle[1])
         return Camera(width, height, lens, point, values.get(ASPECT, 1.0))

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from calibore.errors import InputError
-from calibore.geometry import xy_of
 from calibore.lasers import Beam
-from calibore.rigs import Rig, SideFacing, Triangulation, triangulate
+from calibore.rigs import Rig, SideFacing, Triangulation, lit_points, triangulate
 from calibore.status import Status
 from calibore.uncertainty import Covariance, propagate
 
@@ -110,14 +109,14 @@ def wall_pixels(
     The head of a side-facing rig is turned to the clock; `axial` [m] is the place along its sheet. A beam lights its
     own clock only.
     """
-    return rig.project(_lit(rig, clock, radius, laser, np.broadcast_to(axial, radius.shape)))
+    return rig.project(lit_points(rig, clock, radius, laser=laser, axial=axial))
 
 
 def on_the_wall(rig: Rig, radii: Array, clock: Array, *, laser: int = 0) -> tuple[Array, Array, Triangulation]:
     """Pixels u, v (r c,) of walls of `radii` (r,) at `clock` (c,), and what is triangulated there; NaN where `laser`
     does not show the wall in the image.
     """
-    radius, clock = (a.ravel() for a in np.meshgrid(radii, clock, indexing="ij"))
+    radius, clock = (a.ravel() for a in np.meshgrid(np.where(radii > 0, radii, np.nan), clock, indexing="ij"))
     u, v = _kept_in_image(rig, *wall_pixels(rig, clock, radius, laser=laser))
     found = triangulate(rig, u, v, laser=laser, prior_radius=radius)
     lost = (found.status != Status.OK) | ~(np.abs(found.radius - radius) <= ON_THE_WALL * radius)
@@ -159,26 +158,3 @@ def _kept_in_image(rig: Rig, u: Array, v: Array) -> tuple[Array, Array]:
     camera = rig.camera
     inside = (u >= -0.5) & (u <= camera.width - 0.5) & (v >= -0.5) & (v <= camera.height - 0.5)
     return np.where(inside, u, np.nan), np.where(inside, v, np.nan)
-
-
-def _lit(rig: Rig, clock: Array, radius: Array, laser: int, axial: Array) -> Array:
-    """Points (n, 3) of the rig frame: where a line along the wall, or across a head's sheet, meets the light."""
-    surface, zero = rig.lasers[laser].surface, np.zeros_like(radius)
-    if isinstance(surface, Beam):
-        return _on_beam(surface, radius)
-    turned = isinstance(rig.mount, SideFacing)
-    feet = np.stack([zero, radius, axial] if turned else [*xy_of(clock, radius), zero], axis=1)
-    way = np.array([1.0, 0.0, 0.0] if turned else [0.0, 0.0, 1.0])
-    meetings = surface.meet(feet, np.broadcast_to(way, feet.shape))
-    there = (meetings.flags != 0) & np.isfinite(meetings.distance) & (turned | (meetings.distance > 0))
-    first = np.argmax(there, axis=0), np.arange(len(feet))
-    return feet + np.where(there, meetings.distance, np.nan)[first][:, None] * way
-
-
-def _on_beam(beam: Beam, radius: Array) -> Array:
-    """Where the beam leaves the wall."""
-    source, way = beam.source, beam.direction
-    square, along = way[:2] @ way[:2], way[:2] @ source[:2]
-    discriminant = along**2 - square * (source[:2] @ source[:2] - radius**2)
-    distance = (np.sqrt(np.where(discriminant >= 0, discriminant, np.nan)) - along) / (square or np.nan)
-    return source + np.where(distance > 0, distance, np.nan)[:, None] * way

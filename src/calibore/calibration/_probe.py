@@ -22,6 +22,7 @@ from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
 NAMES = ("probe.slope", "probe.intercept")
+LENGTHS = ("slope", "intercept", "noise", "linearity")
 ORIGIN = "probe.length_origin"
 
 
@@ -45,7 +46,7 @@ def calibrate_probe(path: Path | str, *, progress: Callable[[int, int], None] | 
         group_sigma=0.0,
         files=tables.files,
         observations=_observations(tables, line, intercept, probe),
-        settings={"probe": {key: f"{getattr(probe, key)!r} m" for key in ("slope", "intercept", "noise")}},
+        settings={"probe": {**{key: f"{getattr(probe, key)!r} m" for key in LENGTHS}, "stroke": list(probe.stroke)}},
         findings=tuple(findings(tables, line, intercept, probe)),
         warnings=tuple(warnings(tables, line, intercept)),
     )
@@ -75,7 +76,8 @@ def probe_of(tables: ProbeTables, line: Line) -> tuple[Probe, Intercept]:
         [[line.u_slope**2, shared], [shared, intercept.u**2 + by_slope**2]],
         degrees_of_freedom=[line.freedom, freedom],
     )
-    return Probe(line.slope, intercept.value, covariance, noise, min(line.freedom, freedom)), intercept
+    least = min(line.freedom, freedom)
+    return Probe(line.slope, intercept.value, covariance, noise, least, line.bend, line.stroke), intercept
 
 
 def _effective(parts: list[tuple[float, float]]) -> float:

@@ -18,6 +18,8 @@ class Line:
     """length = slope ratio + origin, ratios around `mean_ratio`; `residuals` (n,) [m] of lengths; `scatter` [m] of one
     of them, with `freedom` n - 2; `u_slope`; `stretch` of its variance by correlated neighbours, already contained.
 
+    `bend` [m]: standard deviation of the second Legendre polynomial that the line may differ by, over `stroke`.
+
     Probabilities that chance alone gives such: `p_curved` for a curve (cubic against line), with the largest departure
     `bow` [m]; `p_drift` for a trend with order, None where order and length go together, over the whole run `drift`
     [m]; `p_alike` for neighbours as alike.
@@ -31,6 +33,8 @@ class Line:
     freedom: int
     u_slope: float
     stretch: float
+    stroke: tuple[float, float]
+    bend: float
     p_curved: float
     bow: float
     p_drift: float | None
@@ -62,6 +66,8 @@ def fit_line(ratio: Array, length: Array) -> Line:
         freedom=freedom,
         u_slope=float(scatter * np.sqrt(stretch / (x @ x))),
         stretch=stretch,
+        stroke=(float(ratio.min()), float(ratio.max())),
+        bend=_bend(ratio, length, scatter),
         p_curved=p_curved,
         bow=bow,
         p_drift=None if together else p_drift,
@@ -73,6 +79,14 @@ def fit_line(ratio: Array, length: Array) -> Line:
 def _fitted(design: Array, data: Array) -> tuple[Array, Array]:
     found = np.asarray(np.linalg.lstsq(design, data, rcond=None)[0], dtype=float)
     return found, data - design @ found
+
+
+def _bend(ratio: Array, length: Array, scatter: float) -> float:
+    """What is seen of a bend and what scatter may hide of it, together."""
+    place = 2 * (ratio - ratio.min()) / np.ptp(ratio) - 1
+    design = np.stack([np.ones_like(place), place, (3 * place**2 - 1) / 2], axis=1)
+    seen = _fitted(design, length)[0][2]
+    return float(np.hypot(seen, scatter * np.sqrt(np.linalg.inv(design.T @ design)[2, 2])))
 
 
 def _better(simple: Array, richer: Array, residuals: Array, data: Array) -> tuple[float, float]:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._evidence import of_fit
-from calibore.calibration._evidence import of_fit
 from calibore.calibration._in_words import Unit
 from calibore.calibration._pupil_fit import PupilFit, fit_pupil
 from calibore.calibration._pupil_model import PUPIL, SLIDE, TURN

@@ -15,8 +15,6 @@ from calibore.rigs import Rig, Triangulation, meetings_of, moved, triangulate
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
-NEWTON_STEPS = 2
-"""To where a mark should be; from a pixel away the first leaves a thousandth of it, even near a fold."""
 
 
 class Gaps(NamedTuple):
@@ -89,13 +87,11 @@ class RigModel:
         """Pixels (n,) from where each mark should be, along its direction; minus their derivatives (n, p): how what is
         predicted moves; and the slope (n,) [m/px] there.
 
-        Taken where the mark should be, found by Newton's steps, not where noise has put it: derivatives that hold the
+        Taken where the mark should be, found by a Newton step, not where noise has put it: derivatives that hold the
         noise of the residuals would let a fit trade the one for the other, and bias it.
         """
-        away = np.zeros(self.look_of.size)
-        for _ in range(NEWTON_STEPS):
-            value, _, slope = self.gaps(values, away)
-            away = away + value / slope
+        value, _, slope = self.gaps(values)
+        away = value / slope
         value, jacobian, slope = self.gaps(values, away)
         return away + value / slope, -jacobian / slope[:, None], slope
 

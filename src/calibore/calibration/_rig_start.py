@@ -1,7 +1,7 @@
 """Where the search for a rig starts: marks that its light explains, what is known, a first look at the values."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,29 +94,35 @@ def rough_values(model: RigModel, near: Rig) -> Array:
 
     values, known = first_values(model, near), _known_at_least(model)
     for _ in range(MOST_LOOKS):
-        usable, start = usable_model(model, values, safest=SAFEST), values
+        look, start = _Rough(usable_model(model, values, safest=SAFEST), known), values
+        slopes: Any = look.jacobian
         values = least_squares(
-            lambda x: _in_pixels(usable, x, known)[0],  # noqa: B023
-            start,
-            lambda x: _in_pixels(usable, x, known)[1],  # noqa: B023
-            loss="soft_l1",
-            x_scale="jac",
-            xtol=ROUGHLY,
-            ftol=ROUGHLY,
+            look.residuals, start, slopes, loss="soft_l1", x_scale="jac", xtol=ROUGHLY, ftol=ROUGHLY
         ).x
         if np.abs(known @ (values - start)).max() < SETTLED:
             break
     return values
 
 
-def _in_pixels(model: RigModel, values: Array, known: Array) -> tuple[Array, Array]:
-    """Residuals (n + k,) [px] of marks and of what is known, and their Jacobian (n + k, p)."""
-    value, jacobian, slope = model.gaps(values)
-    residual, by_parameters = value / slope, jacobian / slope[:, None]
-    lost = ~np.isfinite(residual)
-    residual[lost], by_parameters[lost] = LOST, 0.0
-    aside = known @ values
-    return np.concatenate([residual, aside]), np.concatenate([by_parameters, known])
+class _Rough:
+    """Residuals (n + k,) [px] of marks and of what is `known`, and their Jacobian, at one place after the other."""
+
+    def __init__(self, model: RigModel, known: Array) -> None:
+        self._model, self._known = model, known
+        self._place = self._jacobian = np.zeros(0)
+
+    def residuals(self, values: Array) -> Array:
+        value, jacobian, slope = self._model.gaps(values)
+        residual, by_parameters = value / slope, jacobian / slope[:, None]
+        lost = ~np.isfinite(residual)
+        residual[lost], by_parameters[lost] = LOST, 0.0
+        self._place, self._jacobian = values.copy(), np.concatenate([by_parameters, self._known])
+        return np.concatenate([residual, self._known @ values])
+
+    def jacobian(self, values: Array) -> Array:
+        if not np.array_equal(values, self._place):
+            self.residuals(values)
+        return self._jacobian
 
 
 def _known_at_least(model: RigModel) -> Array:

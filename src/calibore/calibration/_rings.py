@@ -4,6 +4,7 @@ All marks on all rings and spokes of all photographs are fitted together: the ca
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -12,17 +13,21 @@ from numpy.typing import NDArray
 from calibore.calibration._calibration import Calibration
 from calibore.calibration._lens_models import lens_models
 from calibore.calibration._pupil_target import input_file
-from calibore.calibration._rings_choice import recommended, tried
+from calibore.calibration._rings_choice import Trial, recommended, tried
 from calibore.calibration._rings_fit import RingFit, fit_all, fit_lens
 from calibore.calibration._rings_model import Printed, target_names
 from calibore.calibration._rings_pictures import RingPictures, read_ring_pictures
-from calibore.calibration._rings_result import Outcome, comparison_of, observations_of, outcome_of, valid_region
+from calibore.calibration._rings_result import Outcome, comparisons, observations_of, outcome_of, valid_region
 from calibore.calibration._rings_sight import Sight
 from calibore.calibration._rings_start import ring_radii
 from calibore.calibration._rings_words import check, findings, warnings
 from calibore.errors import InputError
+from calibore.fitting import information_criteria
 
 Array = NDArray[np.float64]
+
+EVIDENT = 4.0
+"""Of Akaike's criterion: by so much errors of the print must explain the marks better than errors of the picture."""
 
 
 def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | None = None) -> Calibration:
@@ -34,10 +39,12 @@ def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | 
     """
     count = _Count(progress)
     pictures = read_ring_pictures(path, progress=count.of_photographs)
-    outcome = evaluated(sight_of(pictures), pictures.target.lens, done=count.another)
+    sight = sight_of(pictures)
+    outcome = evaluated(sight, pictures.target.lens, done=count.another)
     check(outcome, pictures)
     fit = outcome.ring_fit.fit
     names = outcome.covariance.names
+    place = _place(outcome) | {"ink_width": sight.printed.ink_width}
     return Calibration(
         kind=pictures.target.kind,
         rig=outcome.rig,
@@ -50,8 +57,8 @@ def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | 
         files=(*pictures.files, input_file(pictures.toml)),
         observations=observations_of(outcome, pictures.used),
         valid=valid_region(outcome),
-        models=tuple(comparison_of(trial, outcome.chosen, outcome.trials) for trial in outcome.trials),
-        settings={"target": _place(outcome)},
+        models=comparisons(outcome, lens_models(pictures.target.lens)),
+        settings={"target": place},
         findings=tuple(findings(outcome, pictures)),
         warnings=tuple(warnings(outcome, pictures)),
     )
@@ -79,16 +86,20 @@ def evaluated(sight: Sight, law: str | None = None, *, done: Callable[[int], Non
     short, fits = fit_all(sight, lenses, done=lambda: done(len(lenses)))
     trials = [tried(ring_fit, short) for ring_fit in fits.values()]
     chosen = recommended(trials)
-    final = _resistant(short, chosen.ring_fit)
-    return outcome_of(final, chosen, trials, short)
+    return outcome_of(_resistant(short, chosen), chosen, trials, short)
 
 
-def _resistant(sight: Sight, ring_fit: RingFit) -> RingFit:
-    """The same lens once more, without the stretches that disagree."""
-    try:
-        return fit_lens(sight, ring_fit.lens, start=ring_fit.fit.values, robust=True)
-    except InputError:
-        return ring_fit
+def _resistant(sight: Sight, chosen: Trial) -> RingFit:
+    """The same lens once more, without the stretches that disagree. Where nothing is stated of the printed radii, the
+    marks tell whether rings err as printed [m] or as pictured [px].
+    """
+    lens, start, of_print = chosen.lens, chosen.ring_fit.fit.values, False
+    with suppress(InputError):
+        if sight.u_ring is None:
+            printed = fit_lens(sight, lens, start=start, of_print=True)
+            of_print = information_criteria(printed.fit).aicc < chosen.aicc - EVIDENT
+        return fit_lens(sight, lens, start=start, of_print=of_print, robust=True)
+    return chosen.ring_fit
 
 
 def _ink_width(pictures: RingPictures) -> float:
@@ -105,10 +116,9 @@ def _ink_width(pictures: RingPictures) -> float:
 
 
 def _place(outcome: Outcome) -> dict[str, float]:
-    """Where on the plane the target was in the first photograph, and its lines' width, SI."""
+    """Where on the plane the target was in the first photograph, SI."""
     names = [name for name in target_names(0) if name.startswith("target.")]
-    place = {name.removeprefix("target."): outcome.ring_fit.fit.value(name) for name in names}
-    return {**place, "ink_width": outcome.sight.printed.ink_width}
+    return {name.removeprefix("target."): outcome.ring_fit.fit.value(name) for name in names}
 
 
 class _Count:

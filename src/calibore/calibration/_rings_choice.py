@@ -1,6 +1,7 @@
 """Lens models compared by what they say of rings and sectors that they have not seen, and the one to use."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +31,8 @@ class Trial:
     """
 
     ring_fit: RingFit
-    rings: Array
-    sectors: Array
+    rings: NDArray[Any]
+    sectors: NDArray[Any]
     rms: float
     aicc: float
     bic: float

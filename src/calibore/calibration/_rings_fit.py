@@ -37,13 +37,15 @@ SMOOTH = LensModel("equidistant")
 @dataclass(frozen=True, eq=False)
 class RingFit:
     """`fit` of `model` to the marks that are in it; `prior_rows` (k, p): what was known before, of unit variance;
-    `loads` (n,) of what marks of a line share, None: 1 of each.
+    `loads` (n,) of what marks of a line share, None: 1 of each; `of_print`: it is an error of the print [m], not of the
+    picture [px].
     """
 
     model: RingModel
     fit: Fit
     prior_rows: Array
     loads: Array | None = None
+    of_print: bool = False
 
     @property
     def lens(self) -> LensModel:
@@ -64,40 +66,55 @@ class RingFit:
 
 
 def fit_lens(
-    sight: Sight, lens: LensModel, *, start: Array | None = None, shared: bool = True, robust: bool = False
+    sight: Sight,
+    lens: LensModel,
+    *,
+    start: Array | None = None,
+    shared: bool = True,
+    of_print: bool = False,
+    robust: bool = False,
 ) -> RingFit:
     """`lens`, pixel aspect, principal point and places of the target from all marks together; `shared`: with errors
-    that the marks of a line share. Raises InputError where the fit fails or ends at a bound.
+    that the marks of a line share in a picture, or `of_print` in all pictures. Raises InputError where the fit fails or
+    ends at a bound.
     """
     printed_errors = bool(sight.u_ring)
     model = RingModel(lens, sight.printed, sight.marks, sight.size, sight.square, printed_errors)
     if start is None:
         start = start_values(model, sight.nominal_baseline, principal_point=sight.principal_point)
     prior = _prior(sight, model)
+    groups, loads = sight.sight_of_line, sight.enlarged
+    if of_print:
+        groups, loads = sight.line, model.pixels_per_metre(start)
     fit = least_squares(
         model,
         start,
         names=model.names,
         sigma=sight.sigma / np.median(sight.sigma),
         prior=prior,
-        groups=sight.sight_of_line if shared else None,
-        group_loads=sight.enlarged if shared else None,
+        groups=groups if shared else None,
+        group_loads=loads if shared else None,
         robust=robust,
         bounds=_bounds(sight, model),
     )
     known = np.eye(len(model.names))[[model.names.index(name) for name in prior[0]]]
-    return RingFit(model, fit, known / np.sqrt(np.diag(prior[2]))[:, None], sight.enlarged)
+    return RingFit(model, fit, known / np.sqrt(np.diag(prior[2]))[:, None], loads, of_print)
 
 
 def stretches(sight: Sight) -> Sight:
     """The marks of all pictures, condensed to a mark for each stretch of a line."""
-    rough = fit_lens(sight.thinned(ENOUGH), SMOOTH, shared=False)
-    return _condensed_by(sight, rough)
+    few = replace(sight.thinned(ENOUGH), printed=sight.printed._replace(ink_width=0.0))
+    return _condensed_by(sight, fit_lens(few, SMOOTH, shared=False))
 
 
 def _condensed_by(sight: Sight, ring_fit: RingFit) -> Sight:
-    model = replace(ring_fit.model, marks=sight.marks)
-    return condensed(sight, model(ring_fit.fit.values)[0])
+    """What the width of the ink does is taken away here, once: it bends with the lens, which any fit knows well enough
+    for that.
+    """
+    with_ink = replace(ring_fit.model, marks=sight.marks, printed=sight.printed)
+    without = replace(with_ink, printed=sight.printed._replace(ink_width=0.0))
+    residuals, as_lines = (model(ring_fit.fit.values)[0] for model in (with_ink, without))
+    return replace(condensed(sight, residuals, as_lines), printed=without.printed)
 
 
 def fit_all(

@@ -102,9 +102,9 @@ class RingModel:
             line = predict(rig, target, self._aims(values, marks, rows))
             shared = np.column_stack([marks.direction[rows], np.sign(line.slope) * (marks.ring[rows] > 0)])
             residuals[rows] = -line.shift - shared @ values[finder]
-            jacobian[np.ix_(rows, finder)] = shared
-            jacobian[np.ix_(rows, columns)] = -line.by_target / line.slope[:, None]
-            jacobian[np.ix_(rows, cameras)] = -line.by_camera[:, fitted] / line.slope[:, None]
+            jacobian[rows[:, None], finder] = shared
+            jacobian[rows[:, None], columns] = -line.by_target / line.slope[:, None]
+            jacobian[rows[:, None], cameras] = -line.by_camera[:, fitted] / line.slope[:, None]
             if self.printed_errors and marks.ring[rows[0]]:
                 jacobian[rows, len(self.names) - self.printed.radii.size + marks.ring[rows] - 1] = 1 / line.slope
         return residuals, jacobian
@@ -114,7 +114,7 @@ class RingModel:
         if self.printed_errors:
             radii = radii + values[-radii.size :]
         radius = radii[marks.ring[rows] - 1] if marks.ring[rows[0]] else None
-        angle = marks.spoke[rows] * (2 * np.pi / self.printed.spokes)
+        angle = np.asarray(marks.spoke[rows] * (2 * np.pi / self.printed.spokes), dtype=float)
         return Aims(marks.u[rows], marks.v[rows], marks.direction[rows], radius, angle, self.printed.ink_width)
 
 

@@ -72,7 +72,7 @@ class RingPictures:
     @property
     def radii(self) -> Array:
         """Printed radii [m], innermost first."""
-        return self.target.ring_spacing * np.arange(1, self.target.rings + 1)
+        return self.target.ring_spacing * np.arange(1.0, self.target.rings + 1)
 
 
 def read_ring_pictures(path: Path | str, *, progress: Progress | None = None) -> RingPictures:

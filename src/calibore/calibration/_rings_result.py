@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Comparison, Observations
 from calibore.calibration._evidence import of_fit
-from calibore.calibration._lens_models import ASPECT, CENTRE
+from calibore.calibration._lens_models import ASPECT, CENTRE, LensModel
 from calibore.calibration._rings_choice import BASELINE, DETERMINED, SCALE, Trial
 from calibore.calibration._rings_fit import RingFit
 from calibore.calibration._rings_model import PLANE
@@ -90,8 +90,20 @@ def _difference(other: RingFit, chosen: RingFit, names: Sequence[str]) -> Array:
     return np.array([other.fit.value(name) * factor.get(name, 1.0) - chosen.fit.value(name) for name in names])
 
 
-def comparison_of(trial: Trial, chosen: Trial, trials: list[Trial]) -> Comparison:
-    """A row of the table of lenses (Swanbom 2007, table 6.1)."""
+def comparisons(outcome: Outcome, lenses: Sequence[LensModel]) -> tuple[Comparison, ...]:
+    """The table of lenses (Swanbom 2007, table 6.1), those too that cannot be fitted."""
+    found = {trial.lens: trial for trial in outcome.trials}
+    return tuple(
+        _row(found[lens], outcome.chosen, outcome.trials) if lens in found else _no_row(lens) for lens in lenses
+    )
+
+
+def _no_row(lens: LensModel) -> Comparison:
+    nan = float("nan")
+    return Comparison(lens.name, len(lens.parameters), nan, nan, nan, nan, remark="cannot be fitted to these marks")
+
+
+def _row(trial: Trial, chosen: Trial, trials: list[Trial]) -> Comparison:
     ring_fit = trial.ring_fit
     names = [BASELINE, *ring_fit.lens.parameters]
     freedom = max(ring_fit.fit.degrees_of_freedom, 1.0)

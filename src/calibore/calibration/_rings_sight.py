@@ -91,11 +91,11 @@ class Sight:
         return replace(self, marks=tuple(parts))
 
 
-def condensed(sight: Sight, residuals: Array) -> Sight:
+def condensed(sight: Sight, residuals: Array, as_lines: Array) -> Sight:
     """One mark for each stretch of a line: its middle one, with the mean residual of the stretch instead of its own.
 
-    `residuals` (n,) [px] of any fit that leaves out nothing but what is even along a stretch. Marks that disagree with
-    the others of their stretch do not count.
+    `residuals` (n,) [px] of any fit that leaves out nothing but what is even along a stretch; `as_lines` (n,): the same
+    for ink without width, which the new marks are of. Marks that disagree with the others of their stretch do not count.
     """
     rows, shifts, sigmas = [], [], []
     for line in np.unique(sight.sight_of_line):
@@ -107,7 +107,7 @@ def condensed(sight: Sight, residuals: Array) -> Sight:
             if kept.size:
                 middle = kept[kept.size // 2]
                 rows.append(middle)
-                shifts.append(residuals[kept].mean() - residuals[middle])
+                shifts.append(residuals[kept].mean() - as_lines[middle])
                 sigmas.append(np.sum(sight.sigma[kept] ** -2.0) ** -0.5)
     return _with_sigma(sight.of(np.array(rows), np.array(shifts)), np.array(sigmas))
 

@@ -62,9 +62,9 @@ def _lens(lens: LensModel, printed: Array, image: Array, nominal: float, half_he
     for number in np.argsort([cost for cost, _ in starts] + doubt):
         values = starts[number][1]
         if _images(lens, values, image.max() * BEYOND, half_height):
-            return nominal * DISTANCES[number], values
+            return float(nominal * DISTANCES[number]), values
     best = int(np.argmin([cost for cost, _ in starts]))
-    return nominal * DISTANCES[best], {"camera.k": REACH * image.max()}
+    return float(nominal * DISTANCES[best]), {"camera.k": REACH * image.max()}
 
 
 def _linear(lens: LensModel, zenith: Array, image: Array, half_height: float) -> tuple[float, dict[str, float]]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._rings_choice import BASELINE, DETERMINED, SCALE, Trial
+from calibore.calibration._rings_choice import BASELINE, DETERMINED, SCALE
 from calibore.calibration._rings_model import target_names
 from calibore.calibration._rings_pictures import RingPictures
 from calibore.calibration._rings_result import Outcome, valid_region
@@ -18,8 +18,6 @@ CONFUSED = 0.99
 MISFIT = 2.0
 """px: no lens misses the rings of its target by so much."""
 MANY_LEFT_OUT = 0.05
-SHARED = 2.0
-"""Times the noise of a line's mean, above which its shared error is worth a sentence."""
 
 
 def check(outcome: Outcome, pictures: RingPictures) -> None:
@@ -137,6 +135,12 @@ def _lines(outcome: Outcome, pictures: RingPictures) -> str:
     means = np.array([fit.residuals[used & (sight.line == ring)].mean() for ring in rings])
     worst = int(np.argmax(np.abs(means)))
     length = _on_target(outcome, float(abs(means[worst])), ring=int(rings[worst]))
+    if outcome.ring_fit.of_print:
+        shared = pictures.unit.said(fit.group_sigma, fit.group_sigma)
+        return (
+            f"The printed radii scatter by {shared} about the stated ones, as the marks tell; ring {rings[worst]} is "
+            f"farthest off, by {pictures.unit.said(length, length)}. Measure the rings and state u_ring, or print anew."
+        )
     return (
         f"What all marks of a ring share (its print, the lines beside it, the finder) scatters by "
         f"{fit.group_sigma:.4f} px, a stretch by itself by {fit.noise:.4f} px; ring {rings[worst]} is farthest off, "
@@ -195,8 +199,3 @@ def _on_target(outcome: Outcome, pixels: float, *, ring: int | None = None) -> f
 
 def _with_digits(value: float, u: float) -> str:
     return f"{value:.{max(0, 1 - int(np.floor(np.log10(u))))}f}"
-
-
-def trials_in_order(trials: list[Trial]) -> list[Trial]:
-    """As the table lists them: simple lenses first."""
-    return sorted(trials, key=lambda trial: len(trial.lens.parameters))

@@ -55,7 +55,6 @@ from calibore.design._studies import (
 from calibore.design._study import KINDS, Kind, Study
 from calibore.design._tolerances import Tolerance, Tolerances, tolerances, unit_of
 from calibore.design._verification import Verification, verify, verify_best
-from calibore.design._wall import lit_points
 
 __all__ = [
     "AS_PUBLISHED",
@@ -105,7 +104,6 @@ __all__ = [
     "grouped",
     "image_map",
     "in_image",
-    "lit_points",
     "longest_body",
     "maps_of",
     "measuring_limits",

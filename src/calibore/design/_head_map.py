@@ -9,11 +9,10 @@ from calibore.design._appraisal import COVERAGE_FACTOR, RANGE
 from calibore.design._candidates import EDGE, aim_by_lengths, head_view, inputs_of
 from calibore.design._requirement import CameraChoice, Requirement
 from calibore.design._scales import image_of, scales_of
-from calibore.design._wall import lit_points
 from calibore.design._wall_map import RADIAN, SMALLER, Outlook, radii_of
 from calibore.lasers import Sheet
 from calibore.optics import Lens
-from calibore.rigs import Laser, Rig, SideFacing, triangulate
+from calibore.rigs import Laser, Rig, SideFacing, lit_points, triangulate
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,9 @@ from calibore.design._assumptions import HONEST, Assumptions
 from calibore.design._curves import useful_clocks
 from calibore.design._prediction import predict_on_wall
 from calibore.design._ring import predict_ring, ring_clocks
-from calibore.design._wall import lit_points
 from calibore.errors import InputError
 from calibore.lasers import Beam, Cone, Plane
-from calibore.rigs import Rig, SideFacing, moved, triangulate
+from calibore.rigs import Rig, SideFacing, lit_points, moved, triangulate
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]

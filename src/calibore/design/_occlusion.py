@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from calibore.design._ring import ring_clocks
-from calibore.design._wall import lit_points
 from calibore.errors import InputError
 from calibore.lasers import Beam, Cone, LaserSurface, Plane
-from calibore.rigs import Rig
+from calibore.rigs import Rig, lit_points
 
 Array = NDArray[np.float64]
 HEIGHTS = np.linspace(0.0, 0.2, 21)  # nominal radii

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from calibore.design._assumptions import Direction
-from calibore.design._wall import lit_points
 from calibore.errors import InputError
-from calibore.rigs import Rig, SideFacing, margin, triangulate
+from calibore.rigs import Rig, SideFacing, lit_points, margin, triangulate
 from calibore.status import Status
 from calibore.uncertainty import MEASURABLE_ABOVE, Covariance, budget, propagate
 

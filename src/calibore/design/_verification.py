@@ -13,8 +13,7 @@ from calibore.design._optimise import Optimised
 from calibore.design._prediction import scan_direction
 from calibore.design._requirement import Requirement
 from calibore.design._ring import predict_ring, ring_clocks
-from calibore.design._wall import lit_points
-from calibore.rigs import Rig, meetings_of, moved
+from calibore.rigs import Rig, lit_points, meetings_of, moved
 
 Array = NDArray[np.float64]
 DRAWS, CLOCKS = 3000, 12

@@ -13,9 +13,8 @@ from calibore.design._candidates import EDGE, ON_AXIS, reference_rig
 from calibore.design._occlusion import occlusion
 from calibore.design._requirement import CameraChoice, Requirement
 from calibore.design._scales import image_of, scales_of
-from calibore.design._wall import lit_points
 from calibore.optics import Camera, Lens
-from calibore.rigs import Rig, margin, triangulate
+from calibore.rigs import Rig, lit_points, margin, triangulate
 from calibore.status import Status
 from calibore.uncertainty import FIRST_ORDER_FROM, MEASURABLE_ABOVE, propagate
 

@@ -76,8 +76,8 @@ WHITE = Autoregression(np.zeros(0))
 
 def order_of(residuals: Array, position: Whole) -> Array:
     """Partial autocorrelations of `residuals` (n,), as many as Akaike's criterion asks for; none of white
-    noise. Criteria that ask for fewer (Hannan and Quinn 1979) were measured to state 10 % too little where the light is
-    blurred over some marks.
+    noise. Of neighbours blurred like a bell, 95 % regions held the truth in 96 % of 400 draws with it, in 91 % with
+    Hannan and Quinn's, which asks for fewer.
     """
     longest = int(position.max(initial=0)) + 1
     largest = min(LARGEST_ORDER, longest // VALUES_PER_LAG)

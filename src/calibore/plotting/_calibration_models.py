@@ -69,9 +69,9 @@ def model_chart(calibration: Calibration) -> Figure | None:
     notes = [
         "Left: cross-validated is what counts, the error of data left out. Right: 0 is the best by AICc or BIC, and 10 "
         "means",
-        "practically no support; parameters that do not pay for themselves raise it",
+        "practically no support. In brackets: how many parameters the model has",
     ]
-    figure = new_figure(1.9 + 0.33 * len(models), title="Which model describes the lens", notes=notes)
+    figure = new_figure(1.9 + 0.33 * len(models), title="Which model describes the data", notes=notes)
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=[1.2, 1])
     rows = np.arange(len(models))
     rmse, outside = np.array([[one.rmse, one.cross_validated] for one in models]).T

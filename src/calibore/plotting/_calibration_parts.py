@@ -22,6 +22,8 @@ REACH = (0.5, 1.6)
 """Nominal radii shown, where the calibration does not say from where to where it holds."""
 COARSE, FINE, NARROW, WIDE = (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 12.0, 500.0
 """Numbers on a logarithmic axis, and the ratios of its ends below which more, above which fewer of them are needed."""
+LEAST = 0.05
+"""Nominal radii; on the axis a wall has no radius."""
 MARGIN = 0.25
 """Of the valid radii's span, shown beyond them."""
 
@@ -96,7 +98,7 @@ def shown_radii(valid: ValidRegion | None, nominal_radius: float, n: int = 97) -
         return np.linspace(*REACH, n) * nominal_radius
     low, high = valid.radius
     beyond = MARGIN * (high - low)
-    return np.linspace(max(low - beyond, 0.25 * low), high + beyond, n)
+    return np.linspace(max(low - beyond, 0.25 * low, LEAST * nominal_radius), high + beyond, n)
 
 
 def log_axis(axis: Axis, values: Floats) -> None:

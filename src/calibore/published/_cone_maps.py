@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.design import AS_PUBLISHED, lit_points, predict
+from calibore.design import AS_PUBLISHED, predict
 from calibore.published._cone_numbers import square_rig, touching_azimuth, u_on_wall
 from calibore.published._cone_views import (
     BASELINES,
@@ -18,7 +18,7 @@ from calibore.published._cone_views import (
     whole_view,
 )
 from calibore.published._pictures import Claim, Map, Picture, every
-from calibore.rigs import triangulate
+from calibore.rigs import lit_points, triangulate
 
 Array = NDArray[np.float64]
 LIMIT, U_LIMIT = 2.0, 0.020

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from calibore.design import AS_PUBLISHED, Prediction, combine_lasers, cone_rig, lit_points, predict_on_wall
+from calibore.design import AS_PUBLISHED, Prediction, combine_lasers, cone_rig, predict_on_wall
 from calibore.lasers import Cone
-from calibore.rigs import Rig, triangulate
+from calibore.rigs import Rig, lit_points, triangulate
 
 Array = NDArray[np.float64]
 LONG_AXIS = 1024

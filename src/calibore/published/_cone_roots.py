@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.design import lit_points
 from calibore.published._cone_maps import IMAGE_AXES, RADIUS_BAR, radius_map
 from calibore.published._cone_numbers import clock_of_azimuth, parallel_azimuth, touching_azimuth
 from calibore.published._cone_views import (
@@ -22,6 +21,7 @@ from calibore.published._printed import (
     zenith_of_zero_denominator,
     zenith_of_zero_discriminant,
 )
+from calibore.rigs import lit_points
 
 Array = NDArray[np.float64]
 D, L = 0.5, 1.0

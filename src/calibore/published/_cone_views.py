@@ -6,11 +6,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.design import AS_PUBLISHED, cone_rig, lit_points
+from calibore.design import AS_PUBLISHED, cone_rig
 from calibore.lasers import Cone, MeetingFlag
 from calibore.optics import Camera, Lens
 from calibore.published._pictures import Curve, Region, Tone
-from calibore.rigs import Rig, meetings_of, triangulate
+from calibore.rigs import Rig, lit_points, meetings_of, triangulate
 
 Array = NDArray[np.float64]
 BASELINES = (0.25, 0.50, 0.75)

@@ -13,6 +13,7 @@
 `monte_carlo`    -> `Drawn`: the same by random draws of pixels and rig, near frontiers too
                  `adaptive_monte_carlo` -> `Settled`: until what it says no longer changes
 `moved`          the same rig with other values of its parameters
+`lit_points`     what a laser lights on a round wall
 `project_ring`   where a round wall would appear in the image
 """
 
@@ -21,6 +22,7 @@ from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 from calibore.rigs._defaults import DEFAULT_LENGTH_LIMIT
 from calibore.rigs._drawing import Drawn, DrawnQuantity, monte_carlo
 from calibore.rigs._known_camera import KnownCamera, read_camera, read_rig_or_camera
+from calibore.rigs._lit import lit_points
 from calibore.rigs._margin import margin
 from calibore.rigs._measuring import Measured, measure
 from calibore.rigs._mount import FORWARD, Forward, Mount, SideFacing
@@ -57,6 +59,7 @@ __all__ = [
     "ValidRegion",
     "adaptive_monte_carlo",
     "follow_stripe",
+    "lit_points",
     "margin",
     "measure",
     "meetings_of",

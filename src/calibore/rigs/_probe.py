@@ -23,7 +23,8 @@ class Probe:
     """Radius = slope ratio + intercept [m], from the axis the probe turns about to the end of its tip.
 
     `covariance` of "probe.slope", "probe.intercept", common to all readings; `noise` [m]: standard deviation of the
-    radius from one reading; `degrees_of_freedom` of the covariance.
+    radius from one reading; `degrees_of_freedom` of the covariance. `linearity` [m]: how far the potentiometer may be
+    from straight, one standard deviation of the second Legendre polynomial over the `stroke` of ratios calibrated.
     """
 
     slope: float
@@ -31,12 +32,18 @@ class Probe:
     covariance: Covariance
     noise: float = 0.0
     degrees_of_freedom: float = inf
+    linearity: float = 0.0
+    stroke: tuple[float, float] = (0.0, 1.0)
 
     def __post_init__(self) -> None:
         if self.slope == 0 or not np.isfinite([self.slope, self.intercept]).all():
             raise InputError(f"A probe's slope must not be 0, got {self.slope} m, with intercept {self.intercept} m.")
-        if not 0 <= self.noise < inf:
-            raise InputError(f"A probe's noise must not be negative, got {self.noise} m.")
+        if not (0 <= self.noise < inf and 0 <= self.linearity < inf):
+            raise InputError(
+                f"A probe's noise and linearity must not be negative, got {self.noise}, {self.linearity} m."
+            )
+        if not self.stroke[0] < self.stroke[1]:
+            raise InputError(f"A probe's stroke goes from a smaller to a larger ratio, got {self.stroke}.")
         if tuple(self.covariance.names) != PARAMETERS:
             raise InputError(
                 f"A probe's covariance is that of {' and '.join(PARAMETERS)}, got {', '.join(self.covariance.names)}."
@@ -51,16 +58,34 @@ class Probe:
         ratio = np.asarray(ratio, dtype=float)
         return np.stack([ratio, np.ones_like(ratio)], axis=-1)
 
+    @property
+    def anchor(self) -> float:
+        """The ratio at which the radius is known best: that of the diameters which gave the intercept."""
+        (variance, shared), _ = self.covariance.matrix
+        return float(-shared / variance) if variance > 0 else sum(self.stroke) / 2
+
+    def common_modes(self, ratio: ArrayLike) -> Array:
+        """(..., 3) [m]: what all radii share, in three independent causes, one standard deviation of each: the radius
+        at the anchor, the slope about it, and the bend of the line about it.
+        """
+        ratio, anchor = np.asarray(ratio, dtype=float), self.anchor
+        at_anchor = self.sensitivities(anchor) @ self.covariance.matrix @ self.sensitivities(anchor)
+        half, middle = (self.stroke[1] - self.stroke[0]) / 2, sum(self.stroke) / 2
+        here, there = (((place - middle) / half) ** 2 for place in (ratio, anchor))
+        modes = (np.sqrt(at_anchor), self.covariance.u[0] * (ratio - anchor), self.linearity * 1.5 * (here - there))
+        return np.stack(np.broadcast_arrays(*modes), axis=-1)
+
     def u_common(self, ratio: ArrayLike) -> Array:
-        """Standard uncertainty [m] that all radii share through slope and intercept, the shape of `ratio`."""
-        by_both = self.sensitivities(ratio)
-        return np.sqrt(np.einsum("...i,ij,...j->...", by_both, self.covariance.matrix, by_both))
+        """Standard uncertainty [m] that all radii share, the shape of `ratio`."""
+        return np.linalg.norm(self.common_modes(ratio), axis=-1)
 
 
 class _ProbeTable(Document):
     slope: Length
     intercept: Length
     noise: Annotated[Length, Field(ge=0)] = 0.0
+    linearity: Annotated[Length, Field(ge=0)] = 0.0
+    stroke: tuple[Number, Number] = (0.0, 1.0)
 
 
 class _CalibrationTable(Document):
@@ -92,7 +117,7 @@ def read_probe(path: Path | str) -> Probe:
         if calibration is not None:
             covariance = Covariance(calibration.parameters, _square(calibration)).restricted(PARAMETERS)
         freedom = (calibration and calibration.degrees_of_freedom) or inf
-        return Probe(table.slope, table.intercept, covariance, table.noise, freedom)
+        return Probe(table.slope, table.intercept, covariance, table.noise, freedom, table.linearity, table.stroke)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 

@@ -99,9 +99,14 @@ def _whiteness(board: Board, x: Array, y: Array, seen: NDArray[np.bool_]) -> Arr
 
 
 def _expansion(place: Array, seen: NDArray[np.bool_]) -> list[Array]:
-    by_v, by_u = np.gradient(place)
-    second = [np.gradient(by_u, axis=1), np.gradient(by_u, axis=0), np.gradient(by_v, axis=0)]
+    """Place (n,), its first (u, v) and second (uu, uv, vv) derivatives by the pixel."""
+    by_u, by_v = _derivative(place, 1), _derivative(place, 0)
+    second = [_derivative(by_u, 1), _derivative(by_u, 0), _derivative(by_v, 0)]
     return [place[seen], *(np.nan_to_num(part[seen]) for part in (by_u, by_v, *second))]
+
+
+def _derivative(values: Array, axis: int) -> Array:
+    return np.asarray(np.gradient(values, axis=axis))
 
 
 def _expanded(terms: list[Array], du: float, dv: float) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ MOST = 100
 
 @dataclass(frozen=True)
 class Board:
-    """`kind` of `BOARD_KINDS`; `corners` (columns, rows) of inner corners or dots. Lengths in squares (pitches of dots):
+    """`kind` of `BOARD_KINDS`; `corners` (columns, rows) of inner corners or dots. Lengths in squares, or pitches:
     `marker` the side of a ChArUco marker, from OpenCV's `dictionary`; `dot` the diameter of a dot.
 
     Asymmetric grids as OpenCV counts them: every second row is shifted by one pitch, dots of a row lie two pitches

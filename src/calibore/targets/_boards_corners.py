@@ -1,8 +1,8 @@
 """The place of a corner of four squares: a blurred crossing of two edges fitted to the grey values round it.
 
 In the picture grey = a + g . p + b erf(d1 / (sqrt(2) s)) erf(d2 / (sqrt(2) s)), d1, d2 the distances from the two edges
-through the corner, s the blur. How edges curve (wide lenses) is known from the neighbouring corners better than from the
-window, and is held: free, it would double the scatter; left out, it moves corners by up to 0.1 px.
+through the corner, s the blur. How edges curve (wide lenses) is known from the neighbouring corners better than from
+the window, and is held: free, it would double the scatter; left out, it moves corners by several hundredths of a pixel.
 """
 
 from typing import NamedTuple
@@ -20,12 +20,14 @@ STEPS = 12
 SETTLED = 1e-4  # px
 FARTHEST = 2.0  # px from where OpenCV saw the corner
 BLURS = 0.3, 8.0  # px
+LARGEST_STEP = 0.5  # px, rad
+FIRMNESS = 1e-9  # of the trace of a normal matrix
 ROOT_2 = np.sqrt(2.0)
 
 
 class Corners(NamedTuple):
-    """Places (n, 2) [px], NaN where there is no corner; standard uncertainty `sigma` (n,) [px] of each coordinate by the
-    noise of the window; `blur` (n,) [px].
+    """Places (n, 2) [px], NaN where there is no corner; standard uncertainty `sigma` (n,) [px] of each coordinate by
+    the noise of the window; `blur` (n,) [px].
     """
 
     places: Array
@@ -46,8 +48,8 @@ class _Windows(NamedTuple):
 def measured_corners(
     image: Array, rough: Array, lattice: Lattice, *, clear: float = np.inf, shun: float = 0.0
 ) -> Corners:
-    """Corners near the places `rough` (n, 2) [px] of `image` (h, w). `clear` [squares]: how far from a corner, along both
-    edges at once, markers begin; pixels nearer than `shun` [px] to them are left out.
+    """Corners near the places `rough` (n, 2) [px] of `image` (h, w). `clear` [squares]: how far from a corner, along
+    both edges at once, markers begin; pixels nearer than `shun` [px] to them are left out.
     """
     result = Corners(*(np.full(shape, np.nan) for shape in (rough.shape, len(rough), len(rough))))
     radius = np.clip(REACH * lattice.spacing, SMALLEST, LARGEST)
@@ -58,8 +60,8 @@ def measured_corners(
         return result
     part = Lattice(*(terms[use] for terms in lattice))
     windows = _windows(image, rough[use], radius[use], part, clear, shun)
-    places, sigma, blur = _fitted(windows, rough[use], part)
-    result.places[use], result.sigma[use], result.blur[use] = places, sigma, blur
+    for whole, found in zip(result, _fitted(windows, rough[use], part), strict=True):
+        whole[use] = found
     return result
 
 
@@ -81,41 +83,48 @@ def _windows(image: Array, rough: Array, radius: Array, lattice: Lattice, clear:
     return _Windows(image[rows, columns].astype(float), x, y, origin.astype(float), weight.astype(float))
 
 
-def _fitted(windows: _Windows, rough: Array, lattice: Lattice) -> tuple[Array, Array, Array]:
-    """Gauss-Newton, all windows at once; parameters: place (2), directions of two edges, blur, b, a, g (2)."""
-    n = len(rough)
-    kappa = [_curvature(lattice.along, lattice.along_bend), _curvature(lattice.down, lattice.down_bend)]
-    theta = np.zeros((n, 5))
-    theta[:, :2] = rough - windows.origin
-    theta[:, 2] = np.arctan2(lattice.along[:, 1], lattice.along[:, 0])
-    theta[:, 3] = np.arctan2(lattice.down[:, 1], lattice.down[:, 0])
-    theta[:, 4] = 1.0
-    start = theta.copy()
-    shape, jacobian = _shape(windows, theta, kappa)
-    settled = np.zeros(n, dtype=bool)
-    step, normal, scatter = np.zeros((n, 5)), np.zeros((n, 9, 9)), np.zeros(n)
+def _fitted(windows: _Windows, rough: Array, lattice: Lattice) -> Corners:
+    """Gauss-Newton, all windows at once; parameters: place (2), directions of both edges, blur, then those that the grey
+    value is linear in.
+    """
+    kappa = _curvature(lattice.along, lattice.along_bend), _curvature(lattice.down, lattice.down_bend)
+    ways = [np.arctan2(step[:, 1], step[:, 0]) for step in (lattice.along, lattice.down)]
+    start = rough - windows.origin
+    theta = np.column_stack([start, *ways, np.ones(len(rough))])
+    step, covariance = np.full(theta.shape, np.inf), np.zeros((len(rough), 9, 9))
     for _ in range(STEPS):
-        linear, residual = _linear(windows, shape)
-        design = np.concatenate([jacobian * linear[:, None, :1], _basis(windows, shape)], axis=2)
-        weighted = design * windows.weight[:, :, None]
-        normal = np.einsum("nmi,nmj->nij", weighted, design)
-        normal += np.eye(9) * 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None]
-        step = np.linalg.solve(normal, np.einsum("nmi,nm->ni", weighted, residual)[..., None])[..., 0][:, :5]
-        theta = theta + np.clip(step, -0.5, 0.5)
+        step, covariance = _step(windows, theta, kappa)
+        theta = theta + np.clip(step, -LARGEST_STEP, LARGEST_STEP)
         theta[:, 4] = np.clip(theta[:, 4], *BLURS)
-        shape, jacobian = _shape(windows, theta, kappa)
-        settled = np.hypot(step[:, 0], step[:, 1]) < SETTLED
-        if settled.all():
+        if np.hypot(step[:, 0], step[:, 1]).max() < SETTLED:
             break
-    _, residual = _linear(windows, shape)
-    freedom = np.maximum(windows.weight.sum(axis=1) - 9, 1)
-    scatter = np.einsum("nm,nm->n", windows.weight * residual, residual) / freedom
-    covariance = np.linalg.inv(normal)
-    sigma = np.sqrt(scatter * (covariance[:, 0, 0] + covariance[:, 1, 1]) / 2)
-    moved = np.linalg.norm(theta[:, :2] - start[:, :2], axis=1)
-    good = (np.hypot(step[:, 0], step[:, 1]) < 100 * SETTLED) & (moved < FARTHEST) & (theta[:, 4] < BLURS[1])
+    good = np.hypot(step[:, 0], step[:, 1]) < 100 * SETTLED
+    good &= (np.linalg.norm(theta[:, :2] - start, axis=1) < FARTHEST) & (theta[:, 4] < BLURS[1])
+    sigma = _scatter(windows, theta, kappa) * np.sqrt((covariance[:, 0, 0] + covariance[:, 1, 1]) / 2)
     places = np.where(good[:, None], theta[:, :2] + windows.origin, np.nan)
-    return places, np.where(good, sigma, np.nan), np.where(good, theta[:, 4], np.nan)
+    return Corners(places, np.where(good, sigma, np.nan), np.where(good, theta[:, 4], np.nan))
+
+
+def _step(windows: _Windows, theta: Array, kappa: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Change (n, 5) of the parameters, and the inverse (n, 9, 9) of the normal matrix."""
+    shape, jacobian = _shape(windows, theta, kappa)
+    linear, residual = _linear(windows, shape)
+    design = np.concatenate([jacobian * linear[:, None, :1], _basis(windows, shape)], axis=2)
+    weighted = design * windows.weight[:, :, None]
+    inverse = np.linalg.inv(_firm(np.einsum("nmi,nmj->nij", weighted, design)))
+    return (inverse @ np.einsum("nmi,nm->ni", weighted, residual)[..., None])[:, :5, 0], inverse
+
+
+def _scatter(windows: _Windows, theta: Array, kappa: tuple[Array, Array]) -> Array:
+    """Standard deviation (n,) of the grey values about the fit."""
+    _, residual = _linear(windows, _shape(windows, theta, kappa)[0])
+    square = np.einsum("nm,nm->n", windows.weight * residual, residual)
+    return np.sqrt(square / np.maximum(windows.weight.sum(axis=1) - 9, 1))
+
+
+def _firm(normal: Array) -> Array:
+    """A normal matrix (n, p, p) that has an inverse also where a window says nothing of a parameter."""
+    return normal + np.eye(normal.shape[1]) * FIRMNESS * np.trace(normal, axis1=1, axis2=2)[:, None, None]
 
 
 def _curvature(step: Array, bend: Array) -> Array:
@@ -124,7 +133,7 @@ def _curvature(step: Array, bend: Array) -> Array:
     return (step[:, 0] * bend[:, 1] - step[:, 1] * bend[:, 0]) / length**3
 
 
-def _shape(windows: _Windows, theta: Array, kappa: list[Array]) -> tuple[Array, Array]:
+def _shape(windows: _Windows, theta: Array, kappa: tuple[Array, Array]) -> tuple[Array, Array]:
     """The crossing (n, m) of values -1 to 1 and its derivatives (n, m, 5)."""
     from scipy.special import erf
 
@@ -157,7 +166,6 @@ def _linear(windows: _Windows, shape: Array) -> tuple[Array, Array]:
     """b, a, g (n, 4) for a given shape, and the residuals (n, m)."""
     basis = _basis(windows, shape)
     weighted = basis * windows.weight[:, :, None]
-    normal = np.einsum("nmi,nmj->nij", weighted, basis)
-    normal += np.eye(4) * 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None]
+    normal = _firm(np.einsum("nmi,nmj->nij", weighted, basis))
     linear = np.linalg.solve(normal, np.einsum("nmi,nm->ni", weighted, windows.grey)[..., None])[..., 0]
     return linear, windows.grey - np.einsum("nmi,ni->nm", basis, linear)

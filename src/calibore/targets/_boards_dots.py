@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.targets._boards import Board
-from calibore.targets._boards_lattice import Lattice
 
 Array = NDArray[np.float64]
 
@@ -17,7 +16,13 @@ ROOM = {"circle-grid": 0.5, "asymmetric-circle-grid": 0.7}  # pitches: half the 
 LARGEST = 60  # px, half side of a window
 LEAST_AREA = 12.0  # px of a dot whose centroid means anything
 WIDTHS = 3.5  # blurs from its edge at which a dot ends
+RIM = 0.85, 1.1  # of the room: paper
+PEAK = 98.0  # percentile that stands for the darkest or steepest pixel
+CLEAR = 4.0  # standard deviations of noise
+OF_DIFFERENCE = 1 / 3  # px^2, variance of the central difference that takes the slope
+LEAST_BLUR = 0.1  # px
 STEPS = 3
+MISSING = (np.nan,) * 5
 
 
 class Dots(NamedTuple):
@@ -33,72 +38,61 @@ class Dots(NamedTuple):
 
 def measured_dots(image: Array, rough: Array, board: Board) -> Dots:
     """Dots near the places `rough` (n, 2) [px] of `image` (h, w)."""
-    lattice = _local_scale(rough, board)
-    rows = [_measured(image, place, *steps, board) for place, *steps in zip(rough, *lattice[:2], strict=True)]
+    steps = _local_scale(rough, board)
+    rows = [_measured(image, place, step, ROOM[board.kind]) for place, step in zip(rough, steps, strict=True)]
     u, v, sigma, blur, diameter = np.array(rows).T
     return Dots(np.stack([u, v], axis=1), sigma, blur, diameter)
 
 
-def _local_scale(rough: Array, board: Board) -> Lattice:
-    """Steps along and down at each mark from an affine map of the nearest marks."""
+def _local_scale(rough: Array, board: Board) -> Array:
+    """Steps (n, 2, 2) [px] of the image per pitch, along x and along y, from an affine map of the nearest marks."""
     distance = np.linalg.norm(board.places[:, None] - board.places[None], axis=2)
     nearest = np.argsort(distance, axis=1, kind="stable")[:, :NEAREST]
     offsets = board.places[nearest] - board.places[:, None]
     design = np.concatenate([offsets, np.ones((*nearest.shape, 1))], axis=2)
-    steps = np.linalg.pinv(design) @ rough[nearest]
-    none = np.zeros_like(rough)
-    return Lattice(steps[:, 0], steps[:, 1], none, none)
+    return (np.linalg.pinv(design) @ rough[nearest])[:, :2]
 
 
-def _measured(image: Array, place: Array, along: Array, down: Array, board: Board) -> tuple[float, ...]:
+def _measured(image: Array, place: Array, step: Array, room: float) -> tuple[float, ...]:
     """u, v, sigma, blur [px] and diameter [pitches] of one dot; NaN where it cannot be measured."""
-    room = ROOM[board.kind]
-    half = int(np.ceil(room * max(np.linalg.norm(along), np.linalg.norm(down)))) + 1
-    inverse = np.linalg.inv(np.stack([along, down], axis=1))
-    area_of_pitch = abs(np.linalg.det(np.stack([along, down], axis=1)))
-    missing = (np.nan,) * 5
-    found, reach = missing, room
-    shortest = min(np.linalg.norm(along), np.linalg.norm(down))
+    lengths = np.linalg.norm(step, axis=1)
+    half = int(np.ceil(room * lengths.max())) + 1
+    found, reach = MISSING, room
     for _ in range(STEPS):
-        origin = np.rint(place).astype(int)
-        low, high = origin - half, origin + half + 1
+        low, high = np.rint(place).astype(int) - half, np.rint(place).astype(int) + half + 1
         if half > LARGEST or (low < 0).any() or (high > image.shape[::-1]).any():
-            return missing
-        grey = image[low[1] : high[1], low[0] : high[0]].astype(float)
+            return MISSING
         y, x = np.mgrid[low[1] : high[1], low[0] : high[0]]
-        offset = np.stack([x - place[0], y - place[1]]).reshape(2, -1)
-        distance = np.hypot(*(inverse @ offset))
-        found = _centroid(grey, offset, distance, (reach, room), area_of_pitch)
+        offset = np.stack([x - place[0], y - place[1]])
+        grey = image[low[1] : high[1], low[0] : high[0]].astype(float)
+        found = _centroid(grey, offset, step, (reach, room))
         if not np.isfinite(found[0]):
-            return missing
+            return MISSING
         place = place + np.array(found[:2])
-        reach = min(room, found[4] / 2 + WIDTHS * found[3] / shortest)
-    return (*place.tolist(), *found[2:])
+        reach = min(room, found[4] / 2 + WIDTHS * found[3] / float(lengths.min()))
+    return (float(place[0]), float(place[1]), *found[2:])
 
 
-def _centroid(
-    grey: Array, offset: Array, distance: Array, rooms: tuple[float, float], area_of_pitch: float
-) -> tuple[float, ...]:
-    """Offsets, sigma, blur [px], diameter [pitches]; `rooms` of the dot and of paper round it [pitches]."""
-    values = grey.ravel()
+def _centroid(grey: Array, offset: Array, step: Array, rooms: tuple[float, float]) -> tuple[float, ...]:
+    """Offset, sigma, blur [px], diameter [pitches]; `rooms` of the dot and of paper round it [pitches]."""
+    distance = np.hypot(*np.linalg.solve(step.T, offset.reshape(2, -1))).reshape(grey.shape)
     reach, room = rooms
-    inside, rim = distance < reach, (distance >= 0.85 * room) & (distance < 1.1 * room)
-    plane, *_ = np.linalg.lstsq(_with_ones(offset[:, rim]), values[rim], rcond=None)
-    noise = float(np.std(values[rim] - _with_ones(offset[:, rim]) @ plane))
-    darkness = _with_ones(offset) @ plane - values
-    contrast = float(np.percentile(darkness[inside], 98))
-    weight = float(darkness[inside].sum())
+    inside, rim = distance < reach, (distance >= RIM[0] * room) & (distance < RIM[1] * room)
+    terms = np.stack([*offset, np.ones(grey.shape)], axis=2)
+    plane = np.linalg.lstsq(terms[rim], grey[rim], rcond=None)[0]
+    darkness = terms @ plane - grey
+    noise, contrast, weight = np.std(darkness[rim]), np.percentile(darkness[inside], PEAK), darkness[inside].sum()
     area = weight / max(contrast, 1e-9)
-    if contrast < 4 * noise or area < LEAST_AREA:
-        return (np.nan,) * 5
-    du, dv = (float(darkness[inside] @ part[inside]) / weight for part in offset)
-    spread = float(np.sqrt(np.mean(np.sum(offset[:, inside] ** 2, axis=0)) / 2 * inside.sum()))
-    steepest = float(np.percentile(np.hypot(*np.gradient(grey)).ravel()[inside], 98))
-    blur = np.sqrt(
-        max((contrast / (np.sqrt(2 * np.pi) * steepest)) ** 2 - 1 / 3, 0.01)
-    )  # 1/3: of the difference itself
-    return du, dv, noise * spread / weight, float(blur), float(2 * np.sqrt(area / area_of_pitch / np.pi))
+    if contrast < CLEAR * noise or area < LEAST_AREA:
+        return MISSING
+    du, dv = (float(darkness[inside] @ part[inside] / weight) for part in offset)
+    spread = np.sqrt(np.sum(offset[:, inside] ** 2) / 2)
+    diameter = 2 * np.sqrt(area / abs(np.linalg.det(step)) / np.pi)
+    return du, dv, float(noise * spread / weight), _blur(grey, inside, float(contrast)), float(diameter)
 
 
-def _with_ones(offset: Array) -> Array:
-    return np.column_stack([offset.T, np.ones(offset.shape[1])])
+def _blur(grey: Array, inside: NDArray[np.bool_], contrast: float) -> float:
+    """Standard deviation [px] of the blur of an edge whose steepest slope is that of a Gaussian's integral."""
+    slope = np.hypot(np.asarray(np.gradient(grey, axis=0)), np.asarray(np.gradient(grey, axis=1)))
+    width = contrast / (np.sqrt(2 * np.pi) * float(np.percentile(slope[inside], PEAK)))
+    return float(np.sqrt(max(width**2 - OF_DIFFERENCE, LEAST_BLUR**2)))

@@ -8,7 +8,8 @@ from calibore.targets._boards import DICTIONARY, Board
 from calibore.targets._boards_corners import Corners, measured_corners
 from calibore.targets._boards_dots import Dots, measured_dots
 from calibore.targets._boards_lattice import lattice_of
-from calibore.targets._boards_opencv import chessboard_part, rough_marks
+from calibore.targets._boards_opencv import rough_marks
+from calibore.targets._boards_why import MIRRORED, why_not_found
 from calibore.targets._marks import BoardMarks
 
 Array = NDArray[np.float64]
@@ -16,7 +17,6 @@ Pixels = NDArray[np.uint8 | np.uint16]
 
 FEWEST = 8  # marks of a board partly seen
 ENOUGH = 0.6  # of the marks of a board that must be seen as a whole
-NEAR_BORDER = 3.0  # squares
 WIDTHS = 2.0  # blurs from a marker's edge within which it still shows
 
 
@@ -29,7 +29,7 @@ def find_board(
     dictionary: str = DICTIONARY,
     dot: float = 0.5,
 ) -> BoardMarks:
-    """The marks of a board in `image` (h, w) or (h, w, 3); arguments as of `Board`. Of a ChArUco board, part may be seen.
+    """The marks of a board in `image` (h, w) or (h, w, 3); arguments as of `Board`. Of a ChArUco board, a part will do.
 
     Raises ImageError: one sentence on why no board was found and what to do, without naming the picture.
     """
@@ -38,7 +38,7 @@ def find_board(
     eight_bits = _eight_bits(grey)
     rough = rough_marks(eight_bits, board)
     if rough is None:
-        raise ImageError(_why_not(eight_bits, board))
+        raise ImageError(why_not_found(eight_bits, board))
     rough = _seen_from_the_front(rough, board)
     found = _measured(grey, rough, board)
     good = np.isfinite(found.places[:, 0])
@@ -82,8 +82,8 @@ def _measured(grey: Array, rough: Array, board: Board) -> Corners | Dots:
 
 
 def _seen_from_the_front(rough: Array, board: Board) -> Array:
-    """Marks numbered so that the board faces the camera. Rows of a chessboard may be read from either side: it looks the
-    same in a mirror. Where it does not, the picture is mirrored.
+    """Marks numbered so that the board faces the camera. Rows of a chessboard may be read from either side: it looks
+    the same in a mirror. Where it does not, the picture is mirrored.
     """
     if not _mirrored(rough, board):
         return rough
@@ -93,9 +93,6 @@ def _seen_from_the_front(rough: Array, board: Board) -> Array:
     if board.kind.startswith("asym") and board.corners[1] % 2 == 1:
         return grid[::-1].reshape(-1, 2)
     raise ImageError(MIRRORED)
-
-
-MIRRORED = "the photograph is mirrored (left and right are swapped); give it as the camera took it."
 
 
 def _mirrored(rough: Array, board: Board) -> bool:
@@ -110,41 +107,3 @@ def _mirrored(rough: Array, board: Board) -> bool:
 def _spread_out(places: Array) -> bool:
     """Marks on one line only say nothing of a plane."""
     return bool(np.linalg.matrix_rank(places - places.mean(axis=0), tol=1e-6) == 2)
-
-
-def _why_not(image: NDArray[np.uint8], board: Board) -> str:
-    columns, rows = board.corners
-    if board.kind == "charuco":
-        other = rough_marks(np.ascontiguousarray(image[:, ::-1]), board)
-        if other is not None and np.isfinite(other[:, 0]).sum() >= FEWEST:
-            return MIRRORED
-        return (
-            f"no marker of a ChArUco board of {columns + 1} x {rows + 1} squares (dictionary {board.dictionary}) was found; "
-            "photograph it sharp and evenly lit, or correct squares and dictionary."
-        )
-    part = chessboard_part(image) if board.kind == "chessboard" else None
-    what = (
-        f"a chessboard of {columns} x {rows} corners"
-        if part is not None
-        else f"no {board.kind} of {columns} x {rows} {board.mark}"
-    )
-    if part is not None and (side := _border_near(part, image.shape)):
-        return f"{what} is seen in part only: it runs out of the picture at the {side}; show all of it and its white border."
-    if part is not None:
-        return (
-            f"{what} is seen in part only ({part.shape[1]} x {part.shape[0]}); nothing may cover it, and it must be sharp, evenly "
-            "lit and less oblique (or correct the counts)."
-        )
-    return (
-        f"{what} was found; it must lie wholly inside the picture, with its white border, sharp and not too oblique (or correct "
-        "the counts)."
-    )
-
-
-def _border_near(part: Array, shape: tuple[int, ...]) -> str:
-    """The border of the picture less than a few squares from a part (r, c, 2) of a board, "" where none is."""
-    square = float(np.median(np.linalg.norm(np.diff(part, axis=1), axis=2)))
-    (left, top), (right, bottom) = part.min(axis=(0, 1)), part.max(axis=(0, 1))
-    gaps = {"left": left, "top": top, "right": shape[1] - 1 - right, "bottom": shape[0] - 1 - bottom}
-    nearest = min(gaps, key=lambda side: gaps[side])
-    return nearest if gaps[nearest] < NEAR_BORDER * square else ""

@@ -18,8 +18,10 @@ FOOT_STEPS = 3
 TABULATED = 4096
 MEETING_SIGMA = 0.1
 """px: how well it is known where the spokes meet."""
-OUTLYING = 4.0
-"""Robust standard deviations beyond which data hardly bend a curve."""
+OUTLYING, NORMAL, LEAST_SCATTER = 4.0, 1.4826, 1e-4
+"""Standard deviations beyond which data hardly bend a curve; standard deviation over median deviation; px."""
+ROUNDS = 4
+"""Of weighting outliers down."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,18 +63,21 @@ def harmonics(azimuth: Array, count: int) -> Array:
     return columns
 
 
-def fit_round(azimuth: Array, values: Array, *, count: int = HARMONICS, stiffness: float = STIFFNESS) -> Round:
-    """A smooth function through `values` (n,) at `azimuth` (n,), outliers weighing little."""
+def fit_round(
+    azimuth: Array, values: Array, *, weight: Array | None = None, count: int = HARMONICS, stiffness: float = STIFFNESS
+) -> Round:
+    """A smooth function through `values` (n,) at `azimuth` (n,) with `weight` (n,), outliers weighing little."""
     design = harmonics(azimuth, count)
-    order = np.repeat(np.arange(1, count + 1), 2)
-    penalty = np.diag(np.concatenate([[0.0], stiffness * azimuth.size * order.astype(float) ** 4]))
-    weight = np.ones(values.shape)
-    for _ in range(4):
-        weighted = design * weight[:, None]
+    trust = np.ones(values.shape) if weight is None else weight
+    order = np.concatenate([[0.0], np.repeat(np.arange(1.0, count + 1), 2)])
+    penalty = np.diag(stiffness * trust.sum() * order**4)
+    robust, coefficients = np.ones(values.shape), np.zeros(order.size)
+    for _ in range(ROUNDS):
+        weighted = design * (trust * robust)[:, None]
         coefficients = np.linalg.solve(weighted.T @ design + penalty, weighted.T @ values)
         residual = values - design @ coefficients
-        scatter = 1.4826 * np.median(np.abs(residual)) + 1e-9
-        weight = 1 / (1 + (residual / (OUTLYING * scatter)) ** 4)
+        scatter = NORMAL * np.median(np.abs(residual)) + LEAST_SCATTER
+        robust = 1 / (1 + (residual / (OUTLYING * scatter)) ** 4)
     return Round(coefficients)
 
 
@@ -178,8 +183,8 @@ def refitted(spoke: Spoke, places: Array, sigma: Array, *, meeting: Array) -> Sp
     sigma = np.concatenate([[MEETING_SIGMA], sigma])
     reach = float(s.max())
     design = np.vander(s / reach, DEGREE + 1, increasing=True) / sigma[:, None]
-    weight = np.ones(s.shape)
-    for _ in range(4):
+    weight, solution = np.ones(s.shape), np.zeros(DEGREE + 1)
+    for _ in range(ROUNDS):
         solution = np.linalg.lstsq(design * weight[:, None], t / sigma * weight, rcond=None)[0]
         weight = 1 / (1 + ((t / sigma - design @ solution) / OUTLYING) ** 2)
         weight[0] = 1.0

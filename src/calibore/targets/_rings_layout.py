@@ -24,6 +24,10 @@ SATURATED_DEPTH = 0.7
 WIDTH_WAVES, WIDTH_STIFFNESS = 6, 1e-3
 FWHM = 2.355
 """Full width at half depth of a Gaussian, in standard deviations."""
+FORMER = 0.02
+"""Weight of where a ring was seen against where it was measured."""
+STRAYED = 2.0
+"""px: dips farther off the smooth curve of their ring belong to something else."""
 NARROWEST = 0.02
 """px"""
 
@@ -51,6 +55,11 @@ class Layout:
     blur: float
     contrast: float
     paper: Array
+
+    def polar(self, u: Array, v: Array) -> tuple[Array, Array]:
+        """Azimuth (n,) [rad] from 0 to 2 pi and radius (n,) [px] round the centre."""
+        x, y = u - self.centre[0], v - self.centre[1]
+        return np.arctan2(y, x) % (2 * np.pi), np.hypot(x, y)
 
     def seen(self, number: int, azimuth: Array) -> NDArray[np.bool_]:
         """Whether ring `number` (from 1) was seen near the azimuths (n,)."""
@@ -128,13 +137,20 @@ def _ring(dips: Dips, number: int, blur: float) -> Ring:
     part = dips.depth[member] / USUAL_CONTRAST
     shallow = 2 * np.sqrt(2) * blur * erfinv(np.minimum(part, SATURATED_DEPTH))
     width = np.where(part < SATURATED_DEPTH, shallow, np.maximum(dips.width[member], shallow))
+    radius = smooth_radius(azimuth, dips.radius[member])
     seen = np.zeros(dips.azimuths.size, dtype=bool)
-    seen[dips.ray[member]] = True
-    return Ring(smooth_radius(azimuth, dips.radius[member]), smooth_width(azimuth, width), seen)
+    seen[dips.ray[member][np.abs(dips.radius[member] - radius(azimuth)) < STRAYED]] = True
+    return Ring(radius, smooth_width(azimuth, width), seen)
 
 
-def smooth_radius(azimuth: Array, radius: Array) -> Round:
-    return fit_round(azimuth, radius, count=min(HARMONICS, max(2, azimuth.size // 4)))
+def smooth_radius(azimuth: Array, radius: Array, *, before: Ring | None = None) -> Round:
+    """The curve of a ring through its marks, and where it has none but was seen, near where it was `before`."""
+    count = min(HARMONICS, max(2, azimuth.size // 3))
+    if before is None:
+        return fit_round(azimuth, radius, count=count)
+    seen = np.flatnonzero(before.seen) * (2 * np.pi / before.seen.size)
+    weight = np.repeat([1.0, FORMER], [azimuth.size, seen.size])
+    return fit_round(np.append(azimuth, seen), np.append(radius, before.radius(seen)), weight=weight, count=HARMONICS)
 
 
 def smooth_width(azimuth: Array, width: Array) -> Round:

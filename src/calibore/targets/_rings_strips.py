@@ -18,22 +18,20 @@ FULL = 0.7
 CORE = 1.0
 """px to both sides of the curve that are counted on their own: a line hidden there is not measured."""
 
-Usable = Callable[[Array, Array, Array], NDArray[np.bool_]]
-"""Whether pixels at u, v (n,) [px], whose feet lie at an index (n,) of the curve, show the line and nothing else."""
+Usable = Callable[[Array, Array], NDArray[np.bool_]]
+"""Whether pixels at u, v (n,) [px] show the line and nothing else."""
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Pixels sorted by bin: their `value` (n,), distance `across` (n,) [px] from the curve, `index` (n,) of their foot;
-    the first pixel `starts` (b,) of each bin and `middle` (b,), the index of its middle. `step` [px]: length of a bin.
+    """Pixels sorted by bin: their `value` (n,) and distance `across` (n,) [px] from the curve; the first pixel `starts`
+    (b,) of each bin and the index of the curve in its `middle` (b,).
     """
 
     value: Array
     across: Array
-    index: Array
     starts: Whole
     middle: Array
-    step: float
 
     @property
     def bins(self) -> Whole:
@@ -48,36 +46,38 @@ def strip_along(plane: Array, curve: Curve, half: Array, *, step: float, usable:
     """
     count = max(1, round(curve.length / step))
     step = curve.length / count
-    u, v = _pixels(plane.shape, curve, float(half.max()))
-    places = np.stack([u, v], axis=1)
+    row, column, index, across = _beside(plane.shape, curve, half, usable)
+    arc, tables = np.append(curve.arc, curve.length), np.arange(len(curve.arc) + 1.0)
+    bins = np.minimum((np.interp(index, tables, arc) / step).astype(np.intp), count - 1)
+    middles = np.interp((np.arange(count) + 0.5) * step, arc, tables)
+    full = _full(bins, across, curve.at(half, middles), step)
+    order = np.argsort(bins, kind="stable")
+    order = order[full[bins[order]]]
+    starts = np.searchsorted(bins[order], np.flatnonzero(full))
+    return Strip(plane[row[order], column[order]].astype(float), across[order], starts, middles[full])
+
+
+def _beside(shape: tuple[int, ...], curve: Curve, half: Array, usable: Usable) -> tuple[Whole, Whole, Array, Array]:
+    """Row and column (n,) of the usable pixels within `half` of the curve, index of their feet, distance from it."""
+    row, column = _pixels(shape, curve, float(half.max()))
+    places = np.stack([column, row], axis=1).astype(float)
     index, across = curve.foot(places, curve.start(places))
     inside = np.abs(across) <= curve.at(half, index)
-    if curve.closed:
-        index = index % len(curve.arc)
-    else:
+    if not curve.closed:
         inside &= (index >= 0) & (index <= len(curve.arc) - 1)
-    inside[inside] &= usable(u[inside], v[inside], index[inside])
-    u, v, index, across = u[inside], v[inside], index[inside], across[inside]
-    arc = np.interp(index, np.arange(len(curve.arc) + 1), np.append(curve.arc, curve.length))
-    bins = np.minimum((arc / step).astype(np.intp), count - 1)
-    middles = np.interp((np.arange(count) + 0.5) * step, np.append(curve.arc, curve.length), np.arange(len(half) + 1))
-    full = _full(bins, across, curve.at(half, middles), step)
-    kept = full[bins]
-    order = np.argsort(bins[kept], kind="stable")
-    value = plane[v[kept], u[kept]].astype(float)[order]
-    bins = bins[kept][order]
-    starts = np.searchsorted(bins, np.flatnonzero(full))
-    return Strip(value, across[kept][order], index[kept][order], starts, middles[full], step)
+    inside[inside] &= usable(*places[inside].T)
+    index = index % len(curve.arc) if curve.closed else index
+    return row[inside], column[inside], index[inside], across[inside]
 
 
 def _pixels(shape: tuple[int, ...], curve: Curve, reach: float) -> tuple[Whole, Whole]:
-    """Columns and rows of all pixels within `reach` of the curve, and some more."""
+    """Rows and columns of all pixels within `reach` of the curve, and some more."""
     across = np.arange(-reach - 1, reach + 1 + SAMPLING, SAMPLING)
     places = curve.point[:, None] + across[:, None] * curve.normal[:, None]
     column, row = np.rint(places).astype(np.intp).reshape(-1, 2).T
     seen = (column >= 0) & (column < shape[1]) & (row >= 0) & (row < shape[0])
     row, column = np.divmod(np.unique(row[seen] * shape[1] + column[seen]), shape[1])
-    return column, row
+    return row, column
 
 
 def _full(bins: Whole, across: Array, half: Array, step: float) -> NDArray[np.bool_]:

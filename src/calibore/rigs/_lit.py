@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from calibore.errors import InputError
 from calibore.geometry import xy_of
 from calibore.lasers import Beam
-from calibore.rigs import Rig, SideFacing
+from calibore.rigs._mount import SideFacing
+from calibore.rigs._rig import Rig
 
 AHEAD = (0.0, 0.0, 1.0)
 
