@@ -41,6 +41,8 @@ def write(folder, made, *, more=""):
     np.savetxt(folder / "lengths.csv", rows, delimiter=",", header="raw_ratio,caliper_length_in (origin anywhere)")
     rows = np.column_stack([made.stops, made.raw, made.diameter / INCH])
     np.savetxt(folder / "diameters.csv", rows, delimiter=",", header="stop_1,stop_2,raw_1,raw_2,caliper_diameter_in")
-    text = 'format = "calibore-target/1"\nkind = "probe"\nprobe_calibration = "lengths.csv"\ndiameters = "diameters.csv"\n'
+    text = (
+        'format = "calibore-target/1"\nkind = "probe"\nprobe_calibration = "lengths.csv"\ndiameters = "diameters.csv"\n'
+    )
     (folder / "target.toml").write_text(text + more)
     return folder

@@ -42,7 +42,7 @@ def flat_looks(
     looks = []
     for number, place in enumerate(ranges):
         true = place + u_range * rng.standard_normal() + (wrong or {}).get(number, 0.0)
-        z = np.linspace(-1.5, 1.5, 600) * place
+        z = np.linspace(-1.5, 1.5, 6000) * place
         sheet = rig.lasers[0].surface
         y = true + slope * z
         points = np.stack([sheet.offset + sheet.skew * y + sheet.lean * z, y, z], axis=1)
@@ -50,7 +50,9 @@ def flat_looks(
         v_rows = np.linspace(20, rig.camera.height - 21, rows)
         order = np.argsort(v)
         marks = np.interp(v_rows, v[order], u[order]) + noise * correlated(rng, rows, neighbour=neighbour)
-        reference = FlatTarget(float(place), u=u_range if stated else None, u_tilt=(0.0, u_tilt) if u_tilt else (0.0, 0.0))
+        reference = FlatTarget(
+            float(place), u=u_range if stated else None, u_tilt=(0.0, u_tilt) if u_tilt else (0.0, 0.0)
+        )
         across = np.tile([1.0, 0.0], (rows, 1))
         sigma = np.full(rows, noise)
         looks.append(Look(marks, v_rows, across, sigma, reference, f"{1e3 * place:.1f} mm", setting="target"))
@@ -94,7 +96,17 @@ def gauge_look(
     points = feet + ahead[:, None] * axis
     u_px, v_px = rig.project(points)
     return _noisy(
-        rig, u_px, v_px, RingGauge(diameter, at=height, u=u, u_tilt=u_tilt), rng, name, noise, neighbour, laser, setting, stop
+        rig,
+        u_px,
+        v_px,
+        RingGauge(diameter, at=height, u=u, u_tilt=u_tilt),
+        rng,
+        name,
+        noise,
+        neighbour,
+        laser,
+        setting,
+        stop,
     )
 
 
@@ -148,6 +160,4 @@ def _noisy(rig, u, v, reference, rng, name, noise, neighbour, laser, setting, st
     seen = (u > 2) & (u < rig.camera.width - 3) & (v > 2) & (v < rig.camera.height - 3)
     place = np.stack([u, v], axis=1) + shift[:, None] * direction
     sigma = np.full(u.size, noise)
-    return Look(
-        place[seen, 0], place[seen, 1], direction[seen], sigma[seen], reference, name, laser, setting, stop
-    )
+    return Look(place[seen, 0], place[seen, 1], direction[seen], sigma[seen], reference, name, laser, setting, stop)

@@ -13,7 +13,9 @@ from calibore.calibration._pupil_start import start_values
 from calibore.errors import InputError
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated" / "pupil"
-needs_shared = pytest.mark.skipif(not SHARED.exists(), reason="the shared two-pin pictures are not beside the repository")
+needs_shared = pytest.mark.skipif(
+    not SHARED.exists(), reason="the shared two-pin pictures are not beside the repository"
+)
 TARGET = """format = "calibore-target/1"
 kind = "two-pin"
 images = "pin {slide} {turn}.png"

@@ -54,7 +54,7 @@ def test_the_uncertainty_of_a_radius_is_that_of_drawn_probes():
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ('slope = "5.2405 in"', 'slope = 5.2405\n'),
+        ('slope = "5.2405 in"', "slope = 5.2405\n"),
         ('slope = "5.2405 in"', 'slope = "0 in"\n'),
         ('parameters = ["probe.intercept", "probe.slope"]', 'parameters = ["probe.intercept", "probe.gain"]\n'),
         ("covariance = [[4e-10, 1e-10], [1e-10, 2e-10]]", "covariance = [[4e-10, 1e-10]]\n"),
@@ -63,7 +63,7 @@ def test_the_uncertainty_of_a_radius_is_that_of_drawn_probes():
     ],
 )
 def test_what_is_wrong_in_a_file_is_named(tmp_path, wrong, said):
-    with pytest.raises(InputError, match="probe.toml"):
+    with pytest.raises(InputError, match=r"probe\.toml"):
         read_probe(file_of(tmp_path, FILE.replace(wrong, said)))
 
 

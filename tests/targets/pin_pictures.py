@@ -6,7 +6,9 @@ from scipy.special import ndtr
 HEIGHT, WIDTH = 300, 400
 
 
-def picture(rng, *, near=(200.0, 0.02), far=(150.0, -0.015), widths=(26.0, 16.0), levels=(0.3, 0.5), ends=(130, 165), noise=2.0):
+def picture(
+    rng, *, near=(200.0, 0.02), far=(150.0, -0.015), widths=(26.0, 16.0), levels=(0.3, 0.5), ends=(130, 165), noise=2.0
+):
     """Near pin from row `ends[0]` down, in front of the far pin, which ends at row `ends[1]`; each at u = a + b v."""
     v, u = np.mgrid[:HEIGHT, :WIDTH].astype(float)
     background = 150 + 0.05 * u + 0.04 * v + 1e-4 * (u - 200) * (v - 100)

@@ -63,7 +63,9 @@ def test_the_pins_may_be_the_other_way_up_lighter_than_the_background_in_colour_
     plain = picture(np.random.default_rng(5), levels=(1.4, 1.25))
     usual = find_pins(plain, near_half="lower", far_half="upper")
     turned = find_pins(plain[::-1], near_half="upper", far_half="lower")
-    deep = find_pins(np.repeat(plain[..., None].astype(np.uint16) * 257, 3, axis=2), near_half="lower", far_half="upper")
+    deep = find_pins(
+        np.repeat(plain[..., None].astype(np.uint16) * 257, 3, axis=2), near_half="lower", far_half="upper"
+    )
     assert np.array_equal(np.sort(turned.u[turned.near]), np.sort(usual.u[usual.near]))
     np.testing.assert_allclose(deep.u, usual.u, atol=1e-6)
 
@@ -72,7 +74,9 @@ def test_dust_beside_a_pin_takes_its_rows_and_no_more():
     rng = np.random.default_rng(6)
     image = picture(rng)
     image[40:60, 136:141] = 20
-    clean, dusty = (find_pins(one, near_half="lower", far_half="upper") for one in (picture(np.random.default_rng(6)), image))
+    clean, dusty = (
+        find_pins(one, near_half="lower", far_half="upper") for one in (picture(np.random.default_rng(6)), image)
+    )
     far = dusty.u[~dusty.near].mean() - 150 + 0.015 * dusty.v[~dusty.near].mean()
     assert abs(far) < 0.03
     assert dusty.u.size >= clean.u.size - 60

@@ -17,6 +17,7 @@ from calibore.calibration._dispatch import calibrate
 from calibore.calibration._evidence_covariance import recomputed_covariance
 from calibore.calibration._file import check_calibration_file, read_calibration, verify_inputs, write_calibration
 from calibore.calibration._file_units import unit_of_parameter
+from calibore.calibration._gauges import calibrate_gauges
 from calibore.calibration._halves import Halves, halves
 from calibore.calibration._in_situ import calibrate_profile
 from calibore.calibration._on_the_wall import WallMap, WallUncertainty, wall_map, wall_uncertainty
@@ -33,6 +34,8 @@ from calibore.calibration._planning_targets import (
 from calibore.calibration._probe import calibrate_probe
 from calibore.calibration._projection import ProjectionUncertainty, projection_uncertainty
 from calibore.calibration._pupil import calibrate_pupil
+from calibore.calibration._range import calibrate_range
+from calibore.calibration._rings import calibrate_rings
 
 __all__ = [
     "Calibration",
@@ -54,9 +57,12 @@ __all__ = [
     "WallUncertainty",
     "calibrate",
     "calibrate_boards",
+    "calibrate_gauges",
     "calibrate_probe",
     "calibrate_profile",
     "calibrate_pupil",
+    "calibrate_range",
+    "calibrate_rings",
     "check_calibration_file",
     "difference",
     "halves",

@@ -37,8 +37,8 @@ def coverage_warnings(data: BoardData, camera: Camera, valid: ValidRegion) -> li
     widest = np.degrees(_widest(camera))
     if widest > BEYOND * high:
         warnings.append(
-            f"boards cover zenith {low:.0f}-{high:.0f} deg, the picture sees to {widest:.0f} deg: beyond {high:.0f} deg "
-            "the lens is only extrapolated; photograph the board in the corners of the picture."
+            f"boards cover zenith {low:.0f}-{high:.0f} deg, the picture sees to {widest:.0f} deg: beyond {high:.0f} "
+            "deg the lens is only extrapolated; photograph the board in the corners of the picture."
         )
     if low > 0:
         warnings.append(

@@ -26,7 +26,8 @@ def findings_of(
     said = [
         f"Lens: {chosen.model.name}, k = {k} with u = {found.u('camera.k'):.2g} px. {_reason(trials, chosen)}",
         f"{found.data.boards} pictures, {len(found.data.owner)} {pictures.target.board.mark}: residuals "
-        f"{found.estimate.rms:.4f} px (rms), {chosen.cross_validated:.4f} px on boards left out; zenith {low:.0f}-{high:.0f} deg.",
+        f"{found.estimate.rms:.4f} px (rms), {chosen.cross_validated:.4f} px on boards left out; "
+        f"zenith {low:.0f}-{high:.0f} deg.",
     ]
     return (*said, *_bend(found, pictures))
 

@@ -106,7 +106,7 @@ def _judged(data: BoardData, used: Mask, estimate: Estimate) -> tuple[Mask, dict
             keep &= data.owner != board
             others = float(np.median([rms[other] for other in boards if other != board]))
             reasons[int(board)] = (
-                f"its marks lie {rms[board]:.2f} px (rms) from where the other pictures put them, theirs {others:.2f} px; "
-                "the board or the camera's setting was another one, or it was bent or wrongly found."
+                f"its marks lie {rms[board]:.2f} px (rms) from where the other pictures put them, theirs {others:.2f} "
+                "px; the board or the camera's setting was another one, or it was bent or wrongly found."
             )
     return keep, reasons

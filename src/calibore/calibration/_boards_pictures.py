@@ -37,8 +37,8 @@ def _known_law(law: str) -> str:
 
 class BoardTargetFile(Document):
     """[m]. `corners` (or dots) along rows and columns, inner ones; or `squares`, one more each. `square`: a square, or
-    the pitch of dots (of an asymmetric grid: from row to row); `dot`: their diameter; `flatness`: how far the board may be
-    off its plane, 0 for a flat one, left out where unknown; `lens`: the law where it is known.
+    the pitch of dots (of an asymmetric grid: from row to row); `dot`: their diameter; `flatness`: how far the board may
+    be off its plane, 0 for a flat one, left out where unknown; `lens`: the law where it is known.
     """
 
     format: Literal["calibore-target/1"]

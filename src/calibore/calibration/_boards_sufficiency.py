@@ -53,14 +53,15 @@ def check_poses(data: BoardData, estimate: Estimate, pictures: BoardPictures) ->
     if distinct < FEWEST - 1:
         poses = "one pose" if distinct == 1 else f"{distinct} poses"
         raise InputError(
-            f"{pictures.toml}: all {count} photographs show the board at {poses}, from which k, the principal point and "
-            f"the board's distance cannot be told apart; {ADVICE}."
+            f"{pictures.toml}: all {count} photographs show the board at {poses}, from which k, the principal point "
+            f"and the board's distance cannot be told apart; {ADVICE}."
         )
     tilt = widest_tilt(estimate.poses)
     if tilt < PARALLEL:
+        correlation = distance_correlation(data, estimate)
         raise InputError(
             f"{pictures.toml}: the board was held at one tilt, within {np.degrees(tilt):.1f} deg, in all {count} "
-            f"photographs: k and its distance cannot be told apart (correlation {distance_correlation(data, estimate):.4f}); {ADVICE}."
+            f"photographs: k and its distance cannot be told apart (correlation {correlation:.4f}); {ADVICE}."
         )
 
 
@@ -110,11 +111,11 @@ def check_identified(found: BoardFit, pictures: BoardPictures) -> None:
     if loose[worst] <= 1:
         return
     other, correlation = _partner(found, worst)
-    u = found.u(worst)
+    u, tilt = found.u(worst), np.degrees(widest_tilt(found.estimate.poses))
     known = f"known to {u:.3g} px only" if np.isfinite(u) else "not known at all"
     raise InputError(
         f"{pictures.toml}: {worst} is {known}: it cannot be told apart from {other} (correlation {correlation:.4f}); "
-        f"the boards are tilted against each other by at most {np.degrees(widest_tilt(found.estimate.poses)):.0f} deg; {ADVICE}."
+        f"the boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
     )
 
 
@@ -138,8 +139,8 @@ def leaning_on_law(found: BoardFit, free: Sequence[Comparison]) -> list[str]:
         return []
     tilt = np.degrees(widest_tilt(found.estimate.poses))
     return [
-        f"k rests on the lens following its law: a free polynomial would leave it uncertain by {100 * loose:.2g} %; the "
-        f"boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
+        f"k rests on the lens following its law: a free polynomial would leave it uncertain by {100 * loose:.2g} %; "
+        f"the boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
     ]
 
 

@@ -84,9 +84,10 @@ def _better_alone(models: tuple[Comparison, ...], wanted: tuple[str, ...]) -> st
     """The parameter whose change alone explains the pipe clearly better than that of the one which was looked for."""
     alone = {next(iter(model.estimates)): model.aicc for model in models if len(model.estimates) == 1}
     best = min(alone, key=lambda name: alone[name], default=None)
-    if len(wanted) > 1 or best in (None, *wanted) or alone[best] > alone.get(wanted[0], np.inf) - CLEARLY:
+    if len(wanted) > 1 or best is None or best in wanted:
         return None
-    return best
+    first = min(alone.get(name, np.inf) for name in wanted)
+    return best if alone[best] < first - CLEARLY else None
 
 
 def candidates(rig: Rig) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from calibore.optics import LENS_LAWS, LENS_NAMES, Camera, Lens
 
 CENTRE = ("camera.principal_point_u", "camera.principal_point_v")
 ASPECT = "camera.aspect"
+RESIDUAL = ("c1", "c2")
 
 
 @dataclass(frozen=True)
@@ -32,11 +33,10 @@ class LensModel:
         """The camera with `values` by dotted path; without one: square pixels, principal point in the image's middle,
         an ideal lens.
         """
-        extras = [values.get(f"camera.{extra}", 0.0) for extra in self.extras]
-        if self.law == "polynomial":
-            lens = Lens(self.law, values["camera.k"], height / 2, polynomial=tuple(extras))
-        else:
-            lens = Lens(self.law, values["camera.k"], height / 2, *extras)
+        extras = tuple(values.get(f"camera.{extra}", 0.0) for extra in self.extras)
+        c1, c2 = extras if self.extras == RESIDUAL else (0.0, 0.0)
+        polynomial = extras if self.law == "polynomial" else ()
+        lens = Lens(self.law, values["camera.k"], height / 2, c1, c2, polynomial)
         middle = middle_of(width, height)
         point = values.get(CENTRE[0], middle[0]), values.get(CENTRE[1], middle[1])
         return Camera(width, height, lens, point, values.get(ASPECT, 1.0))
@@ -49,7 +49,7 @@ def middle_of(width: int, height: int) -> tuple[float, float]:
 
 LENS_MODELS: tuple[LensModel, ...] = (
     *(LensModel(law) for law in LENS_LAWS),
-    *(LensModel(law, ("c1", "c2")) for law in LENS_LAWS),
+    *(LensModel(law, RESIDUAL) for law in LENS_LAWS),
     *(LensModel("polynomial", tuple(f"polynomial_{power}" for power in range(3, last + 1, 2))) for last in (3, 5, 7)),
 )
 """Five laws of one parameter, each with its radial residual, and the general odd polynomial."""

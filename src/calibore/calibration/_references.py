@@ -142,8 +142,11 @@ class RingGauge(Reference):
         """The centre of the circle; where the ring is flat, the inclination that would make its ellipse: the first
         derivative by the inclination of a ring square to its gauge is 0, so that a search could not leave it.
         """
-        circle = fit_circle(points[:, :2], robust=True)
         guess = np.zeros(len(self.nuisance_names))
+        try:
+            circle = fit_circle(points[:, :2], robust=True)
+        except InputError:  # an arc too short to tell: in the middle, then
+            return guess
         guess[:2] = circle.centre
         if self.u_tilt > 0 and np.std(points[:, 2]) < FLAT * circle.radius:
             x, y = (points[:, :2] - circle.centre).T

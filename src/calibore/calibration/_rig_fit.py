@@ -84,7 +84,7 @@ def fit_rig(
     """
     whole = RigModel(rig, tuple(looks), tuple(free))
     values = rough_values(whole, near or rig)
-    model = usable_model(whole, values)
+    model = usable_model(whole, values, settled=True)
     known, rounds = prior_of(model, prior), 0
     slope = model.residuals(values)[2]
     while True:

@@ -11,7 +11,7 @@ from calibore.calibration._looks import Look
 from calibore.calibration._references import Reference
 from calibore.calibration._rig_values import value_of
 from calibore.errors import InputError
-from calibore.rigs import Rig, Triangulation, meetings_of, moved, triangulate
+from calibore.rigs import Rig, meetings_of, moved, triangulate
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -104,22 +104,18 @@ class RigModel:
         except InputError:
             return gaps
         columns = [rig.parameter_names.index(name) for name in self.free]
-        for laser in dict.fromkeys(look.laser for look in self.looks):
-            found, start = self._met(rig, laser, np.zeros(n) if away is None else away), 0
-            for number, look in enumerate(self.looks):
-                if look.laser != laser:
-                    continue
-                own = slice(start, start + look.u.size)
-                start = own.stop
-                rows = self.look_of == number
-                nuisance = [self.names.index(name) for name in self.nuisances(look.of_setting)]
-                gap = look.reference.gap(found.points[own], values[nuisance])
-                by_point = gap.by_point[:, None, :]
-                gaps.value[rows] = gap.value
-                by_pixel = (by_point @ found.d_pixel[own])[:, 0]
-                gaps.slope[rows] = np.einsum("nk,nk->n", by_pixel, look.direction)
-                gaps.jacobian[rows, : len(columns)] = (by_point @ found.d_parameters[own][:, :, columns])[:, 0]
-                gaps.jacobian[np.ix_(rows, nuisance)] = gap.by_nuisance
+        for laser, marks in self._lit.items():
+            place = marks.place if away is None else marks.place - away[marks.rows, None] * marks.direction
+            found = triangulate(rig, place[:, 0], place[:, 1], laser=laser, branch=marks.branch)
+            by_point = np.empty_like(found.points)
+            for own, rows, reference, nuisance in marks.looks:
+                gap = reference.gap(found.points[own], values[nuisance])
+                gaps.value[rows], by_point[own] = gap.value, gap.by_point
+                gaps.jacobian[rows, nuisance] = gap.by_nuisance
+            by_pixel = np.einsum("ni,nik->nk", by_point, found.d_pixel)
+            gaps.slope[marks.rows] = np.einsum("nk,nk->n", by_pixel, marks.direction)
+            by_rig = (by_point[:, None, :] @ found.d_parameters)[:, 0]
+            gaps.jacobian[marks.rows, : len(columns)] = by_rig[:, columns]
         return gaps
 
     def start(self, near: Rig) -> Array:
@@ -139,14 +135,37 @@ class RigModel:
         branch = self.branches[number] if self.branches else 0
         return triangulate(rig, look.u, look.v, laser=look.laser, branch=branch).points
 
-    def _met(self, rig: Rig, laser: int, away: Array) -> Triangulation:
-        looks = [(number, look) for number, look in enumerate(self.looks) if look.laser == laser]
-        rows = np.isin(self.look_of, [number for number, _ in looks])
-        direction = np.concatenate([look.direction for _, look in looks])
-        u, v = (np.concatenate([getattr(look, axis) for _, look in looks]) for axis in "uv")
-        branch = np.concatenate([self.branches[number] for number, _ in looks]) if self.branches else None
-        place = np.stack([u, v], axis=1) - away[rows, None] * direction
-        return triangulate(rig, place[:, 0], place[:, 1], laser=laser, branch=branch)
+    @cached_property
+    def _lit(self) -> dict[int, "_Lit"]:
+        """The marks on the light of each laser."""
+        starts = np.concatenate([[0], np.cumsum([look.u.size for look in self.looks])])
+        lit = {}
+        for laser in dict.fromkeys(look.laser for look in self.looks):
+            numbers, start, looks = [i for i, look in enumerate(self.looks) if look.laser == laser], 0, []
+            for number in numbers:
+                look = self.looks[number]
+                nuisance = [self.names.index(name) for name in self.nuisances(look.of_setting)]
+                columns = slice(nuisance[0], nuisance[-1] + 1) if nuisance else slice(0, 0)
+                own = slice(start, start + look.u.size)
+                looks.append((own, slice(*starts[number : number + 2]), look.reference, columns))
+                start = own.stop
+            place = np.concatenate([np.stack([self.looks[i].u, self.looks[i].v], axis=1) for i in numbers])
+            direction = np.concatenate([self.looks[i].direction for i in numbers])
+            branch = np.concatenate([self.branches[i] for i in numbers]) if self.branches else None
+            lit[laser] = _Lit(place, direction, branch, np.isin(self.look_of, numbers), looks)
+        return lit
+
+
+class _Lit(NamedTuple):
+    """`place`, `direction` (m, 2) and `branch` (m,) of the marks of one laser, which are those `rows` (n,) of all; of
+    each look which of these they are, which of all, its reference and the columns of its nuisance.
+    """
+
+    place: Array
+    direction: Array
+    branch: Whole | None
+    rows: NDArray[np.bool_]
+    looks: list[tuple[slice, slice, Reference, slice]]
 
 
 def nearest_branches(model: RigModel, values: Array) -> tuple[Whole, ...]:

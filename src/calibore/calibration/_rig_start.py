@@ -25,7 +25,8 @@ MOST_LOOKS, SETTLED, ROUGHLY = 4, 0.02, 1e-5
 SAFEST = 0.6
 """Of the marks of a look, for first looks: a rig that is not yet right takes near meetings for far ones at a fold."""
 LOST = 100.0
-"""px: how far off a mark counts in a first look that on the way meets no light."""
+"""px: how far off a mark counts at least in a first look that on the way meets no light; more than any that does."""
+FAR_WORSE = 3.0
 
 
 class Prior(NamedTuple):
@@ -45,13 +46,17 @@ def first_values(model: RigModel, near: Rig) -> Array:
     return replace(model, branches=nearest_branches(model, straight)).start(near)
 
 
-def usable_model(model: RigModel, values: Array, *, safest: float = 1.0) -> RigModel:
+def usable_model(model: RigModel, values: Array, *, safest: float = 1.0, settled: bool = False) -> RigModel:
     """Only the marks that at `values` (p,) meet their laser's light far enough from its folds, where it meets
-    references; of each look the fraction `safest`.
+    references, and if `settled` that have a place where they should be; of each look the fraction `safest`.
     """
-    model = replace(model, branches=nearest_branches(model, values))
+    try:
+        model = replace(model, branches=nearest_branches(model, values))
+    except InputError:
+        raise InputError("Nothing near the rig as it is described explains the pictures.") from None
     looks, branches = [], []
-    lit, rig = np.isfinite(model.gaps(values).value), model.moved_rig(values).knowing(None)
+    value = model.residuals(values)[0] if settled else model.gaps(values).value
+    lit, rig = np.isfinite(value), model.moved_rig(values).knowing(None)
     for number, (look, branch) in enumerate(zip(model.looks, model.branches, strict=True)):
         u = np.maximum(look.sigma, LEAST_SPREAD)
         m = margin(rig, look.u, look.v, branch=branch, u_pixel=u, direction=look.direction, laser=look.laser)
@@ -110,12 +115,14 @@ class _Rough:
     def __init__(self, model: RigModel, known: Array) -> None:
         self._model, self._known = model, known
         self._place = self._jacobian = np.zeros(0)
+        self._lost = LOST
 
     def residuals(self, values: Array) -> Array:
         value, jacobian, slope = self._model.gaps(values)
         residual, by_parameters = value / slope, jacobian / slope[:, None]
         lost = ~np.isfinite(residual)
-        residual[lost], by_parameters[lost] = LOST, 0.0
+        self._lost = max(self._lost, FAR_WORSE * float(np.abs(residual[~lost]).max(initial=0.0)))
+        residual[lost], by_parameters[lost] = self._lost, 0.0
         self._place, self._jacobian = values.copy(), np.concatenate([by_parameters, self._known])
         return np.concatenate([residual, self._known @ values])
 

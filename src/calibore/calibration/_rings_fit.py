@@ -27,6 +27,7 @@ FARTHEST = 10.0
 """A target at more than this many nominal baselines, or at less than one such fraction, is at a bound."""
 CLOSE = 20.0
 """Times the best root mean square residual: beyond, a lens is out of the question."""
+CALLS = 300
 STEEPEST, ASPECTS = 1.0, (0.5, 2.0)
 ENOUGH = 1500
 """Marks that tell roughly where everything is."""
@@ -73,10 +74,11 @@ def fit_lens(
     shared: bool = True,
     of_print: bool = False,
     robust: bool = False,
+    bounded: bool = True,
 ) -> RingFit:
     """`lens`, pixel aspect, principal point and places of the target from all marks together; `shared`: with errors
-    that the marks of a line share in a picture, or `of_print` in all pictures. Raises InputError where the fit fails or
-    ends at a bound.
+    that the marks of a line share in a picture, or `of_print` in all pictures. Raises InputError where the fit fails
+    or, if `bounded`, ends where no target is.
     """
     printed_errors = bool(sight.u_ring)
     model = RingModel(lens, sight.printed, sight.marks, sight.size, sight.square, printed_errors)
@@ -87,7 +89,7 @@ def fit_lens(
     if of_print:
         groups, loads = sight.line, model.pixels_per_metre(start)
     fit = least_squares(
-        model,
+        _Patience(model),
         start,
         names=model.names,
         sigma=sight.sigma / np.median(sight.sigma),
@@ -95,16 +97,29 @@ def fit_lens(
         groups=groups if shared else None,
         group_loads=loads if shared else None,
         robust=robust,
-        bounds=_bounds(sight, model),
+        bounds=_bounds(sight, model) if bounded else None,
     )
     known = np.eye(len(model.names))[[model.names.index(name) for name in prior[0]]]
     return RingFit(model, fit, known / np.sqrt(np.diag(prior[2]))[:, None], loads, of_print)
 
 
+class _Patience:
+    """A model that is asked no more than so often: lenses that fit take 20 to 150 calls, hopeless ones thousands."""
+
+    def __init__(self, model: RingModel) -> None:
+        self._model, self._left = model, CALLS
+
+    def __call__(self, values: Array) -> tuple[Array, Array]:
+        self._left -= 1
+        if self._left < 0:
+            raise InputError(f"The fit of the lens {self._model.lens.name} does not converge in {CALLS} steps.")
+        return self._model(values)
+
+
 def stretches(sight: Sight) -> Sight:
     """The marks of all pictures, condensed to a mark for each stretch of a line."""
     few = replace(sight.thinned(ENOUGH), printed=sight.printed._replace(ink_width=0.0))
-    return _condensed_by(sight, fit_lens(few, SMOOTH, shared=False))
+    return _condensed_by(sight, fit_lens(few, SMOOTH, shared=False, bounded=False))
 
 
 def _condensed_by(sight: Sight, ring_fit: RingFit) -> Sight:

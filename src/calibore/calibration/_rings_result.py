@@ -19,8 +19,8 @@ from calibore.uncertainty import Covariance, Quantity
 
 Array = NDArray[np.float64]
 
-UNLIKELY = 30.0
-"""Of Akaike's criterion: a lens that is farther behind has no weight."""
+RULED_OUT = 0.01
+"""Akaike weight below which a lens law is ruled out."""
 ONLY_RATIO = "tells D / k only: its D and k are the nominal baseline's, not the pictures'"
 UNDETERMINED = "leaves D and k open (u {:.0%})"
 
@@ -75,10 +75,10 @@ def _weights(chosen: Trial, trials: list[Trial]) -> dict[Trial, float]:
     """Akaike weights of the other lenses of one parameter."""
     if chosen.lens.extras:
         return {}
-    simple = [trial for trial in trials if not trial.lens.extras and trial.aicc < chosen.aicc + UNLIKELY]
+    simple = [trial for trial in trials if not trial.lens.extras]
     likelihood = {trial: float(np.exp(-max(trial.aicc - chosen.aicc, 0.0) / 2)) for trial in simple}
     total = sum(likelihood.values())
-    return {trial: one / total for trial, one in likelihood.items() if trial is not chosen}
+    return {trial: w / total for trial, w in likelihood.items() if trial is not chosen and w > RULED_OUT * total}
 
 
 def _difference(other: RingFit, chosen: RingFit, names: Sequence[str]) -> Array:

@@ -95,7 +95,7 @@ def condensed(sight: Sight, residuals: Array, as_lines: Array) -> Sight:
     """One mark for each stretch of a line: its middle one, with the mean residual of the stretch instead of its own.
 
     `residuals` (n,) [px] of any fit that leaves out nothing but what is even along a stretch; `as_lines` (n,): the same
-    for ink without width, which the new marks are of. Marks that disagree with the others of their stretch do not count.
+    for ink without width, which the new marks are of. Marks that disagree with others of their stretch do not count.
     """
     rows, shifts, sigmas = [], [], []
     for line in np.unique(sight.sight_of_line):

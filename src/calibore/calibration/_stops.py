@@ -14,6 +14,8 @@ FALSE_ALARM = 0.01
 """Chance that a calibration without any wrong stop loses one."""
 MOST_WRONG = 0.25
 """Fraction of the stops that may be wrong; beyond it nobody can tell which are."""
+KEPT = 0.5
+"""A stop of whose marks a robust fit keeps a smaller fraction is wrong as a whole, not some of its marks."""
 LEAST_SHARED = 1e-9
 """m: stops that scatter by less agree."""
 
@@ -78,7 +80,7 @@ def without_wrong_stops(found: RigFit, *, fewest: int) -> tuple[RigFit, list[Sus
 def _errors_of_stops(found: RigFit, u: Array) -> tuple[Array, Array]:
     """Posterior means (g,) [m] and variances of the errors of all stops, of standard deviations `u` (g,) before."""
     fit, model = found.fit, found.model
-    weight = fit.weights / (fit.sigma * np.sqrt(_shared_by_neighbours(fit.partial_autocorrelation)))
+    weight = _counting(found) / (fit.sigma * np.sqrt(_shared_by_neighbours(fit.partial_autocorrelation)))
     errors = np.zeros((weight.size, u.size))
     errors[np.arange(weight.size), model.stop_of] = u[model.stop_of] / found.slope
     scale = np.maximum(fit.u, 1e-300)
@@ -100,6 +102,13 @@ def _errors_of_stops(found: RigFit, u: Array) -> tuple[Array, Array]:
     step = inverse @ (q.T @ np.concatenate([aims, aside, np.zeros(u.size)]))
     variance = np.sum(inverse**2, axis=1)
     return step[scale.size :] * u, variance[scale.size :] * u**2
+
+
+def _counting(found: RigFit) -> Array:
+    """Weights (n,) of the marks; all of a stop count that a robust fit has left out as a whole, to see its error."""
+    stop, weights = found.model.stop_of, found.fit.weights
+    kept = np.bincount(stop, weights) / np.bincount(stop)
+    return np.where(kept[stop] < KEPT, 1.0, weights)
 
 
 def _shared_by_neighbours(partial: Array) -> float:

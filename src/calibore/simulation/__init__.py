@@ -6,6 +6,7 @@
 `simulate_scan`  a `Survey` of `Station`s written as a scan folder with truth.npz; `head_pose` of a side-facing head
 `demo_scan`      the demonstration pipe
 `photograph_board`  a chessboard, ChArUco board or dots; `unknown_fisheye`: a camera whose lens no law fits
+`photograph_flat`   a flat target before a side-facing head; a ring gauge is a `PipeWall`
 `photograph_rings`  a target of concentric rings in a `TargetLight`
 `random_wall`, `random_rig` of `RIG_KINDS`, `random_pose`, `draw_rig`   for studies over many rigs
 
@@ -16,6 +17,7 @@ glare, no Bayer pattern.
 from calibore.simulation._board_target import photograph_board, unknown_fisheye
 from calibore.simulation._chance import draw_rig, random_pose, random_wall
 from calibore.simulation._demo import demo_rig, demo_scan, demo_survey, demo_wall
+from calibore.simulation._known_surfaces import FlatFace, lit_flat, photograph_flat
 from calibore.simulation._light import LineLight, LitLine, lit_line
 from calibore.simulation._parts import (
     Dent,
@@ -39,6 +41,7 @@ from calibore.simulation._wall import PipeWall
 __all__ = [
     "RIG_KINDS",
     "Dent",
+    "FlatFace",
     "Harmonic",
     "LateralOpening",
     "LineLight",
@@ -62,10 +65,12 @@ __all__ = [
     "draw_rig",
     "head_pose",
     "line_image",
+    "lit_flat",
     "lit_line",
     "photograph",
     "photograph_all",
     "photograph_board",
+    "photograph_flat",
     "photograph_rings",
     "random_pose",
     "random_rig",

@@ -84,8 +84,8 @@ def _windows(image: Array, rough: Array, radius: Array, lattice: Lattice, clear:
 
 
 def _fitted(windows: _Windows, rough: Array, lattice: Lattice) -> Corners:
-    """Gauss-Newton, all windows at once; parameters: place (2), directions of both edges, blur, then those that the grey
-    value is linear in.
+    """Gauss-Newton, all windows at once; parameters: place (2), directions of both edges, blur, then those that the
+    grey value is linear in.
     """
     kappa = _curvature(lattice.along, lattice.along_bend), _curvature(lattice.down, lattice.down_bend)
     ways = [np.arctan2(step[:, 1], step[:, 0]) for step in (lattice.along, lattice.down)]
@@ -111,8 +111,8 @@ def _step(windows: _Windows, theta: Array, kappa: tuple[Array, Array]) -> tuple[
     linear, residual = _linear(windows, shape)
     design = np.concatenate([jacobian * linear[:, None, :1], _basis(windows, shape)], axis=2)
     weighted = design * windows.weight[:, :, None]
-    inverse = np.linalg.inv(_firm(np.einsum("nmi,nmj->nij", weighted, design)))
-    return (inverse @ np.einsum("nmi,nm->ni", weighted, residual)[..., None])[:, :5, 0], inverse
+    inverse = np.asarray(np.linalg.inv(_firm(np.einsum("nmi,nmj->nij", weighted, design))), dtype=float)
+    return np.einsum("nij,njm,nm->ni", inverse[:, :5], weighted.transpose(0, 2, 1), residual, optimize=True), inverse
 
 
 def _scatter(windows: _Windows, theta: Array, kappa: tuple[Array, Array]) -> Array:

@@ -21,8 +21,8 @@ def why_not_found(image: NDArray[np.uint8], board: Board) -> str:
     part = chessboard_part(image) if board.kind == "chessboard" else None
     if part is None:
         return (
-            f"no {board.kind} of {columns} x {rows} {board.mark} was found; it must lie wholly inside the picture, with its "
-            "white border, sharp and not too oblique (or correct the counts)."
+            f"no {board.kind} of {columns} x {rows} {board.mark} was found; it must lie wholly inside the picture, "
+            "with its white border, sharp and not too oblique (or correct the counts)."
         )
     seen = f"a chessboard of {columns} x {rows} corners is seen in part only"
     if side := _border_near(part, image.shape):

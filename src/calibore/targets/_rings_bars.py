@@ -18,8 +18,10 @@ STEPS, SETTLED = 12, 1e-4
 """At most so many Gauss-Newton steps, until no place moves by more [px]."""
 LONGEST_STEP, NARROWEST = 0.5, 0.1
 """px: of place and width in one step; width below which expectations are equally unsure."""
-BLUR_PRIOR, SLOPE_PRIOR = 0.5, 0.01
-"""Relative standard uncertainty of the starting blur; standard uncertainty of the light's slope [1/px]."""
+LONGEST_SHARED = 0.1
+"""px of blur, and fraction of contrast, in one step."""
+SLOPE_PRIOR = 0.01
+"""Standard uncertainty of the light's slope [1/px]."""
 WIDTH_PRIOR = 0.5
 """Standard uncertainty of a bin's ink width relative to what was expected there."""
 LEAST_BLUR, BLUR_RANGE = 0.3, 3.0
@@ -66,11 +68,12 @@ class Bars:
 @dataclass(frozen=True, eq=False)
 class Start:
     """What is expected: ink `width` (b,) [px] of the bins, `blur` [px] and `contrast` of the line with the standard
-    uncertainty `contrast_sigma`.
+    uncertainties `blur_sigma` [px] and `contrast_sigma`.
     """
 
     width: Array
     blur: float
+    blur_sigma: float
     contrast: float
     contrast_sigma: float
 
@@ -82,7 +85,7 @@ def fit_bars(strip: Strip, along: Array, start: Start, noise: Noise) -> Bars:
     own = np.stack([light, np.zeros_like(light), start.width], axis=1)
     centre = np.concatenate([[start.blur, start.contrast], np.zeros(along.shape[1])])
     prior = np.concatenate([
-        [(BLUR_PRIOR * start.blur) ** -2, start.contrast_sigma**-2], np.full(along.shape[1], SLOPE_PRIOR**-2)
+        [start.blur_sigma**-2, start.contrast_sigma**-2], np.full(along.shape[1], SLOPE_PRIOR**-2)
     ])  # fmt: skip
     shared = centre.copy()
     expected = np.maximum(start.width, NARROWEST)
@@ -174,6 +177,7 @@ class _Equations:
         self.reduced = self.common - np.tensordot(self.mixed, self.carried, axes=([0, 1], [0, 1]))
         pull = self.right_shared - np.tensordot(self.carried, self.right, axes=([0, 1], [0, 1]))
         shared = np.linalg.solve(self.reduced, pull)
+        shared[:2] = np.clip(shared[:2], -LONGEST_SHARED, LONGEST_SHARED)
         return np.einsum("bij,bj->bi", self.inverse, self.right) - self.carried @ shared, shared
 
     def leverage(self, slopes: list[Array], bins: Whole) -> Array:

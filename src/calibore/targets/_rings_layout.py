@@ -24,6 +24,8 @@ SATURATED_DEPTH = 0.7
 WIDTH_WAVES, WIDTH_STIFFNESS = 6, 1e-3
 FWHM = 2.355
 """Full width at half depth of a Gaussian, in standard deviations."""
+LEAST_HARMONICS, HARMONICS_PER_PIXEL = 4, 0.12
+"""A small ring has fewer: its curvature, by which blur moves it, must not follow noise."""
 FORMER = 0.02
 """Weight of where a ring was seen against where it was measured."""
 STRAYED = 2.0
@@ -44,7 +46,8 @@ class Ring:
 @dataclass(frozen=True, eq=False)
 class Layout:
     """Rings from 1 outwards round the `centre` (2,) [px], spokes and their ink widths (constant, linear, ...) [px],
-    `meeting` (2,) of the spokes as measured, `blur` [px], ink `contrast`; `paper` (rays,) [px]: where rays leave it.
+    `meeting` (2,) of the spokes as measured, `blur` [px], ink `contrast`; `paper` (rays,) [px]: where rays leave it;
+    `blur_known`: measured, not guessed.
     """
 
     centre: Array
@@ -55,6 +58,7 @@ class Layout:
     blur: float
     contrast: float
     paper: Array
+    blur_known: bool = False
 
     def polar(self, u: Array, v: Array) -> tuple[Array, Array]:
         """Azimuth (n,) [rad] from 0 to 2 pi and radius (n,) [px] round the centre."""
@@ -145,12 +149,12 @@ def _ring(dips: Dips, number: int, blur: float) -> Ring:
 
 def smooth_radius(azimuth: Array, radius: Array, *, before: Ring | None = None) -> Round:
     """The curve of a ring through its marks, and where it has none but was seen, near where it was `before`."""
-    count = min(HARMONICS, max(2, azimuth.size // 3))
+    count = min(HARMONICS, int(LEAST_HARMONICS + HARMONICS_PER_PIXEL * np.median(radius)))
     if before is None:
-        return fit_round(azimuth, radius, count=count)
+        return fit_round(azimuth, radius, count=min(count, max(2, azimuth.size // 3)))
     seen = np.flatnonzero(before.seen) * (2 * np.pi / before.seen.size)
     weight = np.repeat([1.0, FORMER], [azimuth.size, seen.size])
-    return fit_round(np.append(azimuth, seen), np.append(radius, before.radius(seen)), weight=weight, count=HARMONICS)
+    return fit_round(np.append(azimuth, seen), np.append(radius, before.radius(seen)), weight=weight, count=count)
 
 
 def smooth_width(azimuth: Array, width: Array) -> Round:

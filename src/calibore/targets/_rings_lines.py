@@ -16,17 +16,23 @@ LEAST_STEP, MOST_BINS, FEW_BINS = 2.0, 1000, 300
 FEWEST_BINS = 12
 BROAD = 2.6
 """Blurs of ink width from which a line's own contrast can be told from its width."""
-CONTRAST_SIGMA, SAME_INK = 0.3, 0.004
-"""Standard uncertainty of the ink's contrast before it is known, and from line to line."""
+CONTRAST_SIGMA = (0.004, 0.03, 0.3)
+"""Standard uncertainty of the ink's contrast: of narrow lines, which must take it from others, of broad lines, and
+before it is known.
+"""
+BLUR_SIGMA, SAME_BLUR = 0.5, 0.05
+"""Relative standard uncertainty of the blur before it is known, and from line to line: a line along the pixels' rows
+hardly tells its blur from its width.
+"""
 LIGHT_WAVES, LIGHT_POWERS = 4, 3
 """Harmonics along a ring, powers along a spoke, of the slope of the light."""
-FAINT = 0.3
+FAINT = 0.4
 """A bin whose ink is narrower than this fraction of what was expected shows no line."""
 WORST_MISFIT = 4.0
 """Chi-square per degree of freedom, relative to the line's median."""
 BESIDE, FARTHEST_OFF, ROUGHNESS = 9, 6.0, 0.02
 """A place so many standard deviations and px off the median of the bins beside it is no mark."""
-LARGEST, UNSURE = 2.0, 0.2
+LARGEST, UNSURE = 2.0, 0.1
 """Blurs from the expected curve to a place that can be the line's; standard uncertainty [blurs] of what is no mark."""
 BEHIND = 0.1
 """rad beside a spoke where it is seen how far out rings reach."""
@@ -109,7 +115,9 @@ def _fitted(
         return None
     expected = curve.at(width, strip.middle)
     broad = float(np.median(expected)) > BROAD * layout.blur
-    start = Start(expected, layout.blur, layout.contrast, CONTRAST_SIGMA if broad else SAME_INK)
+    blur_sigma = layout.blur * (SAME_BLUR if layout.blur_known else BLUR_SIGMA)
+    contrast_sigma = CONTRAST_SIGMA[0 if not broad else 1 if layout.blur_known else 2]
+    start = Start(expected, layout.blur, blur_sigma, layout.contrast, contrast_sigma)
     bars = fit_bars(strip, along, start, noise)
     shift = bars.blur**2 * (curve.at(curve.bend, strip.middle) / 2 + along @ bars.slope)
     direction = curve.at(curve.normal, strip.middle)

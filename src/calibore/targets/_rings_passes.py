@@ -15,6 +15,8 @@ PASSES = 2
 FIRST_RINGS = (1, 2)
 WIDTH_POWERS = 2
 """Of a spoke's ink width along it."""
+WORST_MISFIT = 5.0
+"""Chi-square per degree of freedom of a line, relative to that of most lines, beyond which it shows something else."""
 RELATIVE_NOISE = 1e-4
 """First guess: variance of a pixel relative to its brightness (shot noise) and to full scale."""
 
@@ -40,13 +42,16 @@ def _first_look(plane: Array, layout: Layout, noise: Noise) -> Layout:
     if not seen:
         return layout
     blur, contrast = (float(np.mean([getattr(line.bars, name) for line in seen])) for name in ("blur", "contrast"))
-    return replace(layout, blur=blur, contrast=contrast)
+    return replace(layout, blur=blur, contrast=contrast, blur_known=True)
 
 
 def _all_lines(plane: Array, layout: Layout, noise: Noise) -> list[Line]:
     lines = [ring_line(plane, layout, number, noise) for number in range(1, len(layout.rings) + 1)]
     lines += [spoke_line(plane, layout, number, noise) for number in range(len(layout.spokes))]
-    return [line for line in lines if line is not None]
+    found = [line for line in lines if line is not None]
+    misfit = [float(np.median(line.bars.misfit)) for line in found]
+    usual = float(np.median(misfit)) if misfit else 0.0
+    return [line for line, own in zip(found, misfit, strict=True) if own < WORST_MISFIT * usual]
 
 
 def _renewed(layout: Layout, lines: list[Line]) -> Layout:
@@ -72,5 +77,6 @@ def _renewed(layout: Layout, lines: list[Line]) -> Layout:
         spoke_widths=tuple(widths),
         meeting=meeting_of(measured) if len(measured) > 1 else layout.meeting,
         blur=blur,
+        blur_known=True,
         contrast=float(np.median(broad)) if broad else layout.contrast,
     )

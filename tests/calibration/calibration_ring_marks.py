@@ -99,9 +99,10 @@ FINDER_ERROR = 0.001
 LAWS = ("stereographic", "equidistant", "sine-law", "equisolid-angle")
 
 
-def random_case(rng: np.random.Generator, *, per_ring: int = 240, line: float | None = None) -> Case:
+def random_case(rng: np.random.Generator, *, per_ring: int = 360) -> Case:
     """A camera before a target of 6 ... 12 rings that fills its image out to a zenith of 35 ... 70 deg, within 3 deg of
-    square, its radii printed with errors of known size in every second case; noise of marks is correlated.
+    square, its radii printed with errors of known size in every second case; noise of marks is correlated with the
+    next, and lines err as a whole by up to a seventh of it.
     """
     law = str(rng.choice(LAWS))
     rings, spacing = int(rng.integers(6, 13)), float(rng.choice([0.0254, 0.02]))
@@ -117,9 +118,8 @@ def random_case(rng: np.random.Generator, *, per_ring: int = 240, line: float | 
     u_ring = float(rng.choice([0.0, 2e-5]))
     ink = 0.05 * spacing
     printed = radii + rng.normal(0, u_ring, rings)
-    noise = Noise(
-        float(rng.uniform(0.02, 0.1)), float(rng.uniform(0, 0.5)), rng.uniform(0, 0.02) if line is None else line
-    )
+    mark = float(rng.uniform(0.02, 0.1))
+    noise = Noise(mark, float(rng.uniform(0, 0.5)), mark * float(rng.uniform(0, 0.15)))
     marks = noisy(exact_marks(camera, target, printed, per_ring=per_ring, ink_width=ink), noise, rng)
     marks = shifted(marks, rng.normal(0, FINDER_ERROR, 3))
     nominal = baseline * float(rng.uniform(0.8, 1.1))
