@@ -1,5 +1,6 @@
 """Which lens model is chosen, what contradicts is left out, and what cannot be answered is refused."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -32,7 +33,7 @@ def recommended(calibration):
 
 
 def test_a_lens_that_no_law_fits_is_given_a_freer_model(fisheye):
-    camera, _, calibration = fisheye
+    _, _, calibration = fisheye
     chosen, laws = recommended(calibration), [row for row in calibration.models if row.model in LENS_LAWS]
     assert len(laws) == 5
     assert chosen.model.startswith("polynomial") or "+ c1" in chosen.model
@@ -132,15 +133,16 @@ def test_boards_parallel_to_each_other_are_refused_naming_the_correlation(law):
     rng = np.random.default_rng(16)
     camera = law_camera(rng, law, widest=45.0)
     marks = marks_of(camera, boards_at(camera, 0.5), rng)
-    with pytest.raises(InputError, match=r"one tilt, within [0-2]\.\d deg.*\(correlation (1\.0000|0\.999\d)\)"):
+    with pytest.raises(InputError, match=r"correlation (1\.0000|0\.999\d)") as refusal:
         calibration_of(pictures_of(marks, lens=law))
+    assert re.search(r"(one tilt, within|at most) [0-5](\.\d)? deg", str(refusal.value))
 
 
 def test_boards_hardly_tilted_leave_k_too_loose_and_are_refused():
     rng = np.random.default_rng(17)
     camera = law_camera(rng, "perspective", widest=40.0)
     marks = marks_of(camera, boards_at(camera, 3.0), rng, noise=1.0)
-    with pytest.raises(InputError, match=r"camera\.\w+ is known to .* px only: it cannot be told apart from .*correlation 0\.9"):
+    with pytest.raises(InputError, match=r"known to .* px only: it cannot be told apart from the .*correlation 0\.9"):
         calibration_of(pictures_of(marks, lens="perspective"))
 
 
@@ -175,8 +177,9 @@ def _widest(pose):
 def test_poses_count_as_one_when_they_hardly_differ():
     rng = np.random.default_rng(20)
     pose = np.array([0.1, 0.2, 0.3, 0.0, 0.0, 0.5])
+    turned, moved = np.eye(6)[0] * 0.2, np.eye(6)[3] * 0.1
     assert distinct_poses(pose + 1e-3 * rng.standard_normal((9, 6))) == 1
-    assert distinct_poses(np.array([pose, pose + [0.2, 0, 0, 0, 0, 0], pose + [0, 0, 0, 0.1, 0, 0]])) == 3
+    assert distinct_poses(np.stack([pose, pose + turned, pose + moved])) == 3
 
 
 @pytest.mark.parametrize(

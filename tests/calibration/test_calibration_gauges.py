@@ -7,6 +7,8 @@ from known_marks import flat_ahead_look, gauge_look
 from calibore.calibration import calibrate_gauges
 from calibore.calibration._gauges import fit_gauges
 from calibore.calibration._gauges_findings import radius_uncertainty
+from calibore.calibration._outlines import annulus
+from calibore.calibration._references import AHEAD, FlatTarget, RingGauge
 from calibore.calibration._rig_values import value_of, values_of
 from calibore.calibration._stops import without_wrong_stops
 from calibore.errors import InputError
@@ -28,7 +30,7 @@ SIZES = (0.20, 0.23, 0.25, 0.28)
 U_GAUGE = 5e-6
 
 
-def looks_at_gauges(rig, rng, *, sizes=SIZES, wrong=None, marks=80):
+def looks_at_gauges(rig, rng, *, sizes=SIZES, wrong=None, marks=64):
     """Gauges set up off the middle and inclined by chance, their radii wrong by chance."""
     return [
         gauge_look(
@@ -67,9 +69,9 @@ def away(found, true):
 
 @pytest.mark.parametrize(("true", "free"), [(PLANE, 3), (CONE, 5), (COAXIAL, 2)], ids=["plane", "cone", "coaxial"])
 def test_regions_hold_the_truth_as_often_as_they_say(true, free):
-    """Over 200 random rigs each: see docs/decisions/0007; here 3, all of which miss in 1 of 8000."""
+    """Over 200 random rigs: 95 % of planes, 94 % of cones; here 2, both of which miss in 1 of 400."""
     held, z = 0, []
-    for seed in range(3):
+    for seed in range(2):
         rng = np.random.default_rng(seed)
         found, choice = fit_gauges(designed(true, rng), looks_at_gauges(true, rng))
         assert len(found.free) == free
@@ -124,7 +126,7 @@ def test_flats_at_stand_offs_tell_a_cone_as_gauges_do():
             slope=tuple(0.005 * rng.standard_normal(2)),
             u_tilt=0.005,
             off=1e-5 * rng.standard_normal(),
-            marks=80,
+            marks=64,
         )
         for number, stand_off in enumerate((0.13, 0.16, 0.2, 0.24))
     ]
@@ -188,6 +190,20 @@ def test_rendered_pictures_of_a_cone_in_gauges_give_it_back(tmp_path):
     truth = values_of(true, found.values)
     z = [(found.values[name] - truth[name]) / u for name, u in zip(found.values, found.covariance.u, strict=True)]
     assert np.abs(z).max() < 3.2
+
+
+@pytest.mark.parametrize("clock", [0.0, 2.0])
+def test_a_line_is_looked_for_where_it_is(clock):
+    rng = np.random.default_rng(9)
+    rig = Rig("single-cone", CAMERA, (Laser(Cone.for_ring(0.05, 0.18, 0.12, clock=clock), "red"),))
+    for reference, look in (
+        (FlatTarget(0.18, AHEAD), flat_ahead_look(rig, 0.18, rng, name="flat", slope=(0.01, -0.01))),
+        (RingGauge(0.24), gauge_look(rig, 0.24, rng, name="gauge", centre=(0.01, -0.01))),
+    ):
+        where = annulus(designed(rig, rng), reference, laser=0)
+        distance = np.hypot(look.u - where.centre[0], look.v - where.centre[1])
+        assert where.inner < distance.min()
+        assert distance.max() < where.outer
 
 
 def test_a_target_that_cannot_be_used_says_why(tmp_path):

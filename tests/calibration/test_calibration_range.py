@@ -168,6 +168,14 @@ def test_a_stop_whose_reading_is_wrong_is_named_with_its_amount(stated):
     assert np.abs(ranges_along_axis(found.rig, true, ranges) - ranges).max() < 2e-4
 
 
+def test_stops_that_scatter_by_more_than_was_stated_count_by_what_they_scatter():
+    _, design, looks = random_calibration(np.random.default_rng(14), stated=True, stops=16, u_range=2e-4)
+    trusting = [replace(look, reference=look.reference.stating(5e-6)) for look in looks]
+    found, _ = without_wrong_stops(fit_range(design, trusting, known=None), fewest=3)
+    assert not found.model.stated
+    assert 1e-4 < found.stop_scatter < 4e-4
+
+
 def test_stops_that_all_agree_lose_none():
     _, design, looks = random_calibration(np.random.default_rng(9), stated=True)
     assert not without_wrong_stops(fit_range(design, looks, known=None), fewest=3)[1]

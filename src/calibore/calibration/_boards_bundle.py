@@ -22,6 +22,7 @@ STEPS = 200
 SETTLED = 1e-9  # of the sum of squares
 DAMPING = 1e-3, 1e10  # first, and where the search gives up
 EASIER, HARDER = 0.2, 6.0
+ROUNDING = 1e-13  # of the best known combination of parameters: below it nothing is known
 CAUCHY = 3.0  # medians of the residuals at which a mark counts half in a robust search
 
 
@@ -117,9 +118,12 @@ def bundle(
 def shared_covariance(data: BoardData, estimate: Estimate) -> Array:
     """Covariance (p, p) of `estimate.names`, poses and bends unknown too; white noise of the residuals' size."""
     search = _Search(data, estimate, list(range(len(estimate.names))), bent=data.u_bend > 0, robust=False)
-    scaled = estimate.residual / data.sigma[:, None]
+    scaled, rows = search.place.scaled, search.told()
+    size = np.linalg.norm(rows, axis=0)
+    _, values, turns = np.linalg.svd(rows / size, full_matrices=False)
+    factor = (turns.T / np.maximum(values, ROUNDING * values[0]) / size[:, None])[: len(estimate.names)]
     spare = max(scaled.size - len(estimate.names) - 6 * data.boards, 1)
-    return search.inverse()[: len(estimate.names), : len(estimate.names)] * float(np.sum(scaled**2)) / spare
+    return factor @ factor.T * float(np.sum(scaled**2)) / spare
 
 
 class _Place(NamedTuple):
@@ -169,16 +173,17 @@ class _Search:
             self._shared[-3:, -3:] += np.eye(3) / data.u_bend**2
             self._towards_shared[-3:] -= place.bends / data.u_bend**2
 
-    def inverse(self) -> Array:
-        """Of what the marks tell of the shared parameters when poses are unknown; infinite where they tell nothing."""
-        reduced = self._shared - np.einsum(
-            "mip,mpj->ij", self._mixed, np.linalg.solve(self._pose, self._mixed.transpose(0, 2, 1))
-        )
-        scale = np.sqrt(np.abs(np.diag(reduced)))
-        try:
-            return np.linalg.inv(reduced / np.outer(scale, scale)) / np.outer(scale, scale)
-        except np.linalg.LinAlgError:
-            return np.full(reduced.shape, np.inf)
+    def told(self) -> Array:
+        """What the marks tell of the shared parameters (r, p) once each board's pose has taken its share."""
+        data, rows = self._data, []
+        for start, end in zip(data.starts, [*data.starts[1:], data.owner.size], strict=True):
+            pose = self.place.by_pose[start:end].reshape(-1, 6)
+            shared = self.place.by_shared[start:end].reshape(len(pose), -1)
+            turn = np.linalg.qr(pose / np.linalg.norm(pose, axis=0))[0]
+            rows.append(shared - turn @ (turn.T @ shared))
+        if self._bent:
+            rows.append(np.eye(3, rows[0].shape[1], rows[0].shape[1] - 3) / data.u_bend)
+        return np.concatenate(rows)
 
     def tried(self, damping: float) -> _Place | None:
         """Where a damped step leads; None where it leads no further down."""

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 
 HIGHEST = LensModel("polynomial", tuple(f"polynomial_{power}" for power in (3, 5, 7, 9)))
 """Boards carry more marks than rings: they can tell one more power."""
+DOUBT = "check corners and square, and that one flat board was photographed with one camera at one setting"
 FOLDS = 6
 WORSE = 1.0  # standard errors of the difference in squared error of boards left out
 STRONG = 6.0  # difference in BIC beyond which a model has strong evidence against it (Kass and Raftery 1995)
@@ -127,7 +128,7 @@ def recommended(trials: Sequence[Trial]) -> Trial:
     """
     fitted = [trial for trial in trials if trial.estimate is not None and np.isfinite(trial.left_out).all()]
     if not fitted:
-        raise InputError(f"No lens model fits: {trials[0].model.name}: {trials[0].why}.")
+        raise InputError(f"no lens model fits ({trials[0].model.name}: {trials[0].why}); {DOUBT}.")
     best = min(fitted, key=lambda trial: trial.cross_validated)
     good = [trial for trial in fitted if not why_not(trial, best, fitted)]
     return min(good or [best], key=lambda trial: (trial.parameters, trial.cross_validated))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.calibration._boards_bundle import Estimate, bundle
 from calibore.calibration._boards_data import BoardData
-from calibore.calibration._boards_models import HIGHEST
+from calibore.calibration._boards_models import DOUBT, HIGHEST
 from calibore.calibration._boards_start import started_like
 from calibore.calibration._lens_models import LensModel
 from calibore.errors import InputError
@@ -48,7 +48,7 @@ def cleaned(data: BoardData, starts: Sequence[Estimate], law: str | None) -> Cle
         if lost > max(1, MANY * data.boards):
             raise InputError(
                 f"{lost} of {data.boards} pictures contradict the others ({next(iter(refused.values())).rstrip('.')}); "
-                "check corners and square, and that one flat board was photographed with one camera at one setting."
+                f"{DOUBT}."
             )
         used = keep
         if np.unique(data.owner[used]).size < 2:

@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from calibore.calibration._boards_bundle import Estimate
 from calibore.calibration._boards_data import BoardData, rotations
-from calibore.calibration._boards_fit import BoardFit
-from calibore.calibration._boards_models import Trial
+from calibore.calibration._boards_fit import POSE, BoardFit
+from calibore.calibration._boards_models import DOUBT, Trial
 from calibore.calibration._boards_pictures import BoardPictures
 from calibore.calibration._boards_start import started_like
 from calibore.calibration._calibration import Comparison
+from calibore.calibration._in_words import word_of
 from calibore.calibration._lens_models import CENTRE, LensModel
 from calibore.errors import InputError
 
@@ -31,6 +32,7 @@ WORST_RMS = 3.0
 """px: residuals beyond which the marks are not those of this board through any lens."""
 LEANING = 0.005
 """Relative standard uncertainty of k with a free polynomial, beyond which a law that makes it much less is told."""
+PARTS = {"z": "distance", "x": "place", "y": "place"} | dict.fromkeys(POSE[:3], "tilt")
 LOOSE_K, LOOSE_CENTRE = 0.02, 0.02
 """Relative standard uncertainty of k, and of the principal point in widths of the picture, beyond which the answer is
 none: a fiftieth is what a data sheet knows."""
@@ -114,7 +116,8 @@ def check_identified(found: BoardFit, pictures: BoardPictures) -> None:
     u, tilt = found.u(worst), np.degrees(widest_tilt(found.estimate.poses))
     known = f"known to {u:.3g} px only" if np.isfinite(u) else "not known at all"
     raise InputError(
-        f"{pictures.toml}: {worst} is {known}: it cannot be told apart from {other} (correlation {correlation:.4f}); "
+        f"{pictures.toml}: {_said(worst)} is {known}: it cannot be told apart from {_said(other)} (correlation "
+        f"{correlation:.4f}); "
         f"the boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
     )
 
@@ -123,8 +126,7 @@ def check_fit(chosen: Trial) -> None:
     """Raises InputError where even the best model is none."""
     if chosen.rms > WORST_RMS:
         raise InputError(
-            f"no lens model fits; the best one, {chosen.model.name}, leaves {chosen.rms:.1f} px (rms). Check corners "
-            "and square, and that one flat board was photographed with one camera at one setting."
+            f"no lens model fits; the best one, {chosen.model.name}, leaves {chosen.rms:.1f} px (rms); {DOUBT}."
         )
 
 
@@ -142,6 +144,11 @@ def leaning_on_law(found: BoardFit, free: Sequence[Comparison]) -> list[str]:
         f"k rests on the lens following its law: a free polynomial would leave it uncertain by {100 * loose:.2g} %; "
         f"the boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
     ]
+
+
+def _said(name: str) -> str:
+    table, *_, key = name.split(".")
+    return word_of(name) if table == "camera" else f"the {PARTS.get(key, 'bend')} of the board"
 
 
 def _partner(found: BoardFit, name: str) -> tuple[str, float]:

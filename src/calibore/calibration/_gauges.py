@@ -13,7 +13,7 @@ from calibore.calibration._gauges_findings import gauges_findings, gauges_warnin
 from calibore.calibration._gauges_pictures import RingPictures, find_rings
 from calibore.calibration._line_pictures import Progress
 from calibore.calibration._looks import Look
-from calibore.calibration._rig_findings import observations_of, zeniths_of
+from calibore.calibration._rig_findings import observations_of, scatter_of, zeniths_of
 from calibore.calibration._rig_fit import RigFit, fit_rig, foreseen
 from calibore.calibration._rig_values import value_of, values_of
 from calibore.calibration._stops import Suspect, without_wrong_stops
@@ -165,6 +165,7 @@ def _calibration(
             off = target.unit.said(left_out[look.of_stop].off, 0.001 * target.unit.size)
             files[look.file] = replace(files[look.file], refused=f"its size or place is off by {off}")
     radius = found.radii()
+    noise, shared = scatter_of(found)
     return Calibration(
         kind="ring-gauge",
         rig=found.rig,
@@ -172,12 +173,15 @@ def _calibration(
         values=values_of(found.rig, found.free),
         covariance=found.covariance,
         degrees_of_freedom=found.fit.degrees_of_freedom,
-        noise=found.fit.noise,
-        group_sigma=found.stop_scatter,
+        noise=noise,
+        group_sigma=shared,
         files=tuple(files),
         observations=observations_of(found),
         valid=ValidRegion(zeniths_of(found), (float(radius.min()), float(radius.max()))),
-        settings={"stated": values_of(found.model.rig, found.free)},
+        settings={
+            "stated": values_of(found.model.rig, found.free),
+            "stops": {"count": len(found.model.stops), "scatter_m": found.stop_scatter},
+        },
         findings=tuple(gauges_findings(target, found, choice.held, choice.stated)),
         warnings=tuple(gauges_warnings(target, pictures, found, wrong)),
     )

@@ -58,6 +58,12 @@ def gauges_warnings(target: GaugesTarget, pictures: RingPictures, found: RigFit,
             "There is one reference only: the radius is right at its size; what it does elsewhere rests on the rig "
             "file and the lens. Photograph gauges over the whole range of radii."
         )
+    if not found.model.stated:
+        scatter = target.unit.said(found.stop_scatter, found.stop_scatter)
+        warnings.append(
+            f"The references scatter by {scatter} about the rig found, more than was stated of them; what they scatter "
+            "by was used. Check their sizes, and that the lens law is the camera's."
+        )
     warnings += [f"{one.name} was not used: {one.refused}." for one in pictures.files if one.refused]
     return [*warnings, *contradictions(found)]
 

@@ -16,7 +16,7 @@ from calibore.calibration._range_findings import range_findings, range_warnings
 from calibore.calibration._range_pictures import LinePictures, find_lines
 from calibore.calibration._range_start import roughly
 from calibore.calibration._references import FlatTarget
-from calibore.calibration._rig_findings import observations_of, zeniths_of
+from calibore.calibration._rig_findings import observations_of, scatter_of, zeniths_of
 from calibore.calibration._rig_fit import RigFit, fit_rig
 from calibore.calibration._rig_values import value_of, values_of
 from calibore.calibration._stops import Suspect, without_wrong_stops
@@ -150,6 +150,7 @@ def _calibration(target: RangeTarget, pictures: LinePictures, found: RigFit, wro
         if look.name in left_out:
             off = unit.said(left_out[look.name].off, 0.01 * unit.size)
             files[look.file] = replace(files[look.file], refused=f"its range is off by {off}")
+    noise, shared = scatter_of(found)
     return Calibration(
         kind="range",
         rig=found.rig,
@@ -157,12 +158,15 @@ def _calibration(target: RangeTarget, pictures: LinePictures, found: RigFit, wro
         values=values_of(found.rig, found.free),
         covariance=found.covariance,
         degrees_of_freedom=found.fit.degrees_of_freedom,
-        noise=found.fit.noise,
-        group_sigma=found.stop_scatter,
+        noise=noise,
+        group_sigma=shared,
         files=tuple(files),
         observations=observations_of(found),
         valid=ValidRegion(zeniths_of(found), (min(ranges), max(ranges))),
-        settings={"stated": values_of(found.model.rig, found.free)},
+        settings={
+            "stated": values_of(found.model.rig, found.free),
+            "stops": {"count": len(found.model.stops), "scatter_m": found.stop_scatter},
+        },
         findings=tuple(range_findings(target, pictures, found)),
         warnings=tuple(range_warnings(target, pictures, found, wrong)),
     )

@@ -20,7 +20,9 @@ def range_findings(target: RangeTarget, pictures: LinePictures, found: RigFit) -
     known, apart = range_uncertainty(found, middle)
     said = [unit.said(place, 0.1 * unit.size) for place in middle]
     of_range = ", ".join(f"{unit.said(u, u)} at {place}" for u, place in zip(known, said, strict=True))
-    scatter = unit.said(found.stop_scatter, found.stop_scatter) if found.stop_scatter > 0 else "nothing"
+    scatter = (
+        unit.said(found.stop_scatter, found.stop_scatter) if found.stop_scatter > 0 else "no more than their lines"
+    )
     sentences = [
         f"{len(looks)} of {len(target.paths)} stops, {unit.said(ranges.min(), 0.1 * unit.size)} to "
         f"{unit.said(ranges.max(), 0.1 * unit.size)}, tell the range with u = {of_range}.",
@@ -32,8 +34,8 @@ def range_findings(target: RangeTarget, pictures: LinePictures, found: RigFit) -
             "These parameters are known together much better than one by one: without their covariance, u of the range "
             f"at {said[1]} would seem {unit.said(apart[1], apart[1])} instead of {unit.said(known[1], known[1])}."
         )
-    if target.said.u_range is None:
-        sentences.append(f"About the fit, whole stops scatter by {scatter} (caliper and line together).")
+    if not found.model.stated:
+        sentences.append(f"Whole stops scatter about the fit by {scatter}.")
     if "laser.lean" not in found.free:
         sentences.append("The lean of the sheet cannot be told from these pictures; it is taken as stated.")
     if "camera.principal_point_u" not in found.free:
@@ -48,6 +50,12 @@ def range_findings(target: RangeTarget, pictures: LinePictures, found: RigFit) -
 
 def range_warnings(target: RangeTarget, pictures: LinePictures, found: RigFit, wrong: list[Suspect]) -> list[str]:
     warnings = stop_warnings(wrong, target.unit, what="The stop at")
+    if target.said.u_range is not None and not found.model.stated:
+        scatter, u_range = (target.unit.said(u, u) for u in (found.stop_scatter, target.said.u_range))
+        warnings.append(
+            f"Stops scatter by {scatter} about the head found, more than the stated u_range of {u_range}; what they "
+            "scatter by was used. Check the caliper, and that the lens law is the camera's."
+        )
     stated = target.said.room_light_takes
     seen = {take for take, _ in _lit(pictures)}
     dark = [take for take in stated or () if take not in seen]

@@ -39,7 +39,7 @@ class Reference(ABC):
 
     u: float | None
 
-    def stating(self, u: float) -> Self:
+    def stating(self, u: float | None) -> Self:
         """This reference with another `u`; references are dataclasses."""
         return replace(self, u=u)  # type: ignore[type-var]
 

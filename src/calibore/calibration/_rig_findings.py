@@ -26,9 +26,10 @@ def moved_sentences(found: RigFit, unit: Unit) -> list[str]:
         one, before, after = unit_of(name, unit), value_of(found.model.rig, name), value_of(found.rig, name)
         change = after - before
         word = word_of(name)
+        word = word if len(word) == 1 else f"{word[0].upper()}{word[1:]}"
         sentences.append(
-            f"{word[:1].upper()}{word[1:]}: found {one.said(after, u)} (u = {one.said(u, u)}), stated "
-            f"{one.said(before, u)}: moved by {one.said(change, u, sign=True)}, {abs(change) / u:.1f} u."
+            f"{word}: found {one.said(after, u)} (u = {one.said(u, u)}), stated {one.said(before, u)}: "
+            f"moved by {one.said(change, u, sign=True)}, {abs(change) / u:.1f} u."
         )
     return sentences
 
@@ -83,6 +84,11 @@ def observations_of(found: RigFit) -> Observations:
         v=np.concatenate([look.v for look in looks]),
         **of_fit(found.fit),
     )
+
+
+def scatter_of(found: RigFit) -> tuple[float, float]:
+    """Typical standard deviations [px] of a mark, and of what the marks of one stop share."""
+    return float(np.median(found.fit.sigma)), found.stop_scatter / float(np.median(np.abs(found.slope)))
 
 
 def zeniths_of(found: RigFit) -> tuple[float, float]:

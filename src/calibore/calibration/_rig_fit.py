@@ -15,8 +15,8 @@ from calibore.rigs import Rig, triangulate
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
-SETTLED = 0.01
-"""Relative change of what a pixel means in metres that a fit may make without being repeated."""
+SETTLED, ALMOST_ALL = 0.02, 0.9
+"""Relative change of what a pixel means in metres, to almost all marks, without which a fit is not repeated."""
 MOST_ROUNDS = 5
 UNTOLD = 1e-9
 """Of the largest singular value of the scaled Jacobian: directions below are told by nothing."""
@@ -91,7 +91,8 @@ def fit_rig(
         fit = _fitted(model, values, slope, known, robust=robust)
         values, before, rounds = fit.values, slope, rounds + 1
         slope = model.residuals(values)[2]
-        if rounds == MOST_ROUNDS or np.abs(slope / before - 1)[fit.weights > 0].max() < SETTLED:
+        change = np.abs(slope / before - 1)[fit.weights > 0]
+        if rounds == MOST_ROUNDS or np.quantile(change, ALMOST_ALL) < SETTLED:
             break
     _refuse(fit, model, bounds or {})
     count = len(model.free)

@@ -16,9 +16,11 @@ Whole = NDArray[np.intp]
 
 SECTORS = 6
 SIGNIFICANT = 2.0
-"""Standard errors by which the squared errors of left-out lines must differ."""
+"""Standard errors by which the squared errors of left-out rings must differ."""
 RELEVANT = 1.05
 """Times the least error of left-out rings: less is no reason for another parameter."""
+CLOSE = 4.0
+"""Of Akaike's criterion: less is no reason for another parameter either."""
 DETERMINED = 0.05
 """Relative standard uncertainty of k and D above which they are not determined."""
 BASELINE, SCALE = "laser.baseline", "camera.k"
@@ -26,14 +28,15 @@ BASELINE, SCALE = "laser.baseline", "camera.k"
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """A fitted lens and its errors where marks are left out: `rings` (r,) one by one, which tells how it extrapolates,
-    and `sectors` (s,); mean squares in units of the marks' sigma. `rms` [px] of left-out rings; criteria absolute.
+    """A fitted lens and its errors where marks are left out: `rings` (r,) one by one, which tells how it interpolates
+    and extrapolates, mean squares in units of the marks' sigma; `rms` [px] of all of them, `sectors` [px] where sixths
+    of the picture are left out; criteria absolute.
     """
 
     ring_fit: RingFit
     rings: NDArray[Any]
-    sectors: NDArray[Any]
     rms: float
+    sectors: float
     aicc: float
     bic: float
 
@@ -55,12 +58,12 @@ def tried(ring_fit: RingFit, sight: Sight) -> Trial:
     sector = ((sight.azimuth + np.pi) * (SECTORS / (2 * np.pi))).astype(int) % SECTORS
     rings = [_left_out(ring_fit, np.flatnonzero(ring == one), weight) for one in np.unique(ring[ring > 0])]
     sectors = [_left_out(ring_fit, np.flatnonzero(sector == one), weight) for one in range(SECTORS)]
-    chi = [np.mean((errors / sight.sigma[rows]) ** 2) for rows, errors in (*rings, *sectors)]
-    errors = np.concatenate([errors for _, errors in rings])
-    aicc, bic = information_criteria(ring_fit.fit)
-    count = len(rings)
-    rms = float(np.sqrt(np.mean(errors**2)))
-    return Trial(ring_fit, np.array(chi[:count]), np.array(chi[count:]), rms, aicc, bic)
+    chi = np.array([np.mean((errors / sight.sigma[rows]) ** 2) for rows, errors in rings])
+    rms, sector_rms = (
+        float(np.sqrt(np.mean(np.concatenate([errors[sight.on_ring[rows]] for rows, errors in folds]) ** 2)))
+        for folds in (rings, sectors)
+    )
+    return Trial(ring_fit, chi, rms, sector_rms, *information_criteria(ring_fit.fit))
 
 
 def _left_out(ring_fit: RingFit, rows: Whole, weight: Array) -> tuple[Whole, Array]:
@@ -84,18 +87,21 @@ def _weights(ring_fit: RingFit, line: Whole) -> Array:
 
 
 def recommended(trials: list[Trial]) -> Trial:
-    """The simplest lens whose errors of left-out marks are not significantly worse than the least; of equally simple
-    ones the best.
+    """The simplest lens whose errors of left-out rings are not significantly worse than the least, or that Akaike's
+    criterion does not rule out; of equally simple ones the one that criterion prefers. Errors of left-out rings tell
+    whether a lens describes them at all; the criterion knows what marks and rings are worth, and decides closer calls.
     """
-    best = min(trials, key=lambda trial: trial.rms)
-    tenable = [trial for trial in trials if trial is best or not worse(trial, best)]
+    tried_alike = [trial for trial in trials if trial.ring_fit.loads is not None] or trials
+    best, likeliest = min(tried_alike, key=lambda t: t.rms), min(trial.aicc for trial in tried_alike)
+    tenable = [trial for trial in tried_alike if not worse(trial, best) or trial.aicc < likeliest + CLOSE]
     simplest = min(len(trial.lens.parameters) for trial in tenable)
-    return min((trial for trial in tenable if len(trial.lens.parameters) == simplest), key=lambda trial: trial.rms)
+    return min((trial for trial in tenable if len(trial.lens.parameters) == simplest), key=lambda trial: trial.aicc)
 
 
 def worse(trial: Trial, best: Trial) -> bool:
-    """Whether `trial` misses left-out rings or sectors significantly, and by more than matters."""
-    if trial.rms <= RELEVANT * best.rms:
-        return False
-    differences = (trial.rings - best.rings, trial.sectors - best.sectors)
-    return any(d.mean() > SIGNIFICANT * d.std(ddof=1) / np.sqrt(d.size) for d in differences)
+    """Whether `trial` misses left-out rings significantly, and by more than matters. Sectors do not count: what rings
+    err by as a whole is seen by the other sectors, and a lens that follows it would be preferred.
+    """
+    difference = trial.rings - best.rings
+    error = difference.std(ddof=1) / np.sqrt(difference.size)
+    return trial.rms > RELEVANT * best.rms and bool(difference.mean() > SIGNIFICANT * error)

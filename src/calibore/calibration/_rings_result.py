@@ -76,7 +76,8 @@ def _weights(chosen: Trial, trials: list[Trial]) -> dict[Trial, float]:
     if chosen.lens.extras:
         return {}
     simple = [trial for trial in trials if not trial.lens.extras]
-    likelihood = {trial: float(np.exp(-max(trial.aicc - chosen.aicc, 0.0) / 2)) for trial in simple}
+    least = min(trial.aicc for trial in simple)
+    likelihood = {trial: float(np.exp((least - trial.aicc) / 2)) for trial in simple}
     total = sum(likelihood.values())
     return {trial: w / total for trial, w in likelihood.items() if trial is not chosen and w > RULED_OUT * total}
 

@@ -83,7 +83,7 @@ def _recommendation(outcome: Outcome, pictures: RingPictures) -> str:
     return (
         f"Recommended lens: {chosen.lens.name}, the simplest ({count} parameter{'s' * (count > 1)}) that predicts "
         f"rings left out of the fit as well as any: to {chosen.rms:.4f} px rms, "
-        f"{pictures.unit.said(length, length)} on the target."
+        f"{pictures.unit.said(length, length)} on the target (sectors left out: {chosen.sectors:.4f} px)."
     )
 
 

@@ -1,5 +1,6 @@
 """Stops that contradict the others: a caliper misread, a gauge taken for another."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +13,12 @@ from calibore.errors import InputError
 Array = NDArray[np.float64]
 FALSE_ALARM = 0.01
 """Chance that a calibration without any wrong stop loses one."""
-MOST_WRONG = 0.25
+MOST_WRONG = 0.15
 """Fraction of the stops that may be wrong; beyond it nobody can tell which are."""
 KEPT = 0.5
 """A stop of whose marks a robust fit keeps a smaller fraction is wrong as a whole, not some of its marks."""
+FEWEST_FREEDOM = 3.0
+"""Degrees of freedom of a scatter that may stand for a statement that the stops contradict."""
 LEAST_SHARED = 1e-9
 """m: stops that scatter by less agree."""
 
@@ -46,7 +49,7 @@ def suspects(found: RigFit) -> list[Suspect]:
     result: list[Suspect] = []
     if (u < LEAST_SHARED).any():
         return result
-    error, variance = _errors_of_stops(found, u)
+    error, variance = _errors_of_stops(_with_own_scatter(found), u)
     told = 1 / variance - 1 / u**2
     for number, stop in enumerate(found.model.stops):
         if told[number] > 0:
@@ -58,23 +61,44 @@ def suspects(found: RigFit) -> list[Suspect]:
 
 
 def without_wrong_stops(found: RigFit, *, fewest: int) -> tuple[RigFit, list[Suspect]]:
-    """The fit without stops that contradict the others, and those, the worst first. Raises InputError where too many
-    would have to go, or fewer than `fewest` would be left.
+    """The fit without stops that contradict the others, and those, the worst first; where all scatter by more than was
+    stated, with the scatter found. Raises InputError where too many would have to go, or fewer than `fewest` be left.
     """
     wrong: list[Suspect] = []
-    stops = len(found.model.stops)
+    first, stops = found, len(found.model.stops)
     while True:
         listed = suspects(found)
         if not listed or listed[0].chance * len(listed) >= FALSE_ALARM:
             return found, wrong
         wrong.append(listed[0])
         if len(wrong) > max(1, MOST_WRONG * stops) or stops - len(wrong) < fewest:
-            named = ", ".join(f"{one.stop} ({1e3 * one.off:+.3g} mm)" for one in wrong)
-            raise InputError(
-                f"The stops contradict each other: {named} fit neither the others nor the rig, and no stop can be told "
-                "wrong with so few left; check the readings, then photograph more stops."
-            )
+            scattering = _with_own_scatter(first)
+            if scattering is first or scattering.fit.degrees_of_freedom < FEWEST_FREEDOM:
+                raise InputError(_contradiction(found, wrong))
+            return without_wrong_stops(scattering, fewest=fewest)
         found = found.with_looks(look for look in found.model.looks if look.of_stop != listed[0].stop)
+
+
+def _contradiction(found: RigFit, wrong: list[Suspect]) -> str:
+    named = ", ".join(f"{one.stop} ({1e3 * one.off:+.3g} mm)" for one in wrong)
+    what = "their stated uncertainty is too small, or the lens law is not the camera's" if found.model.stated else ""
+    return (
+        f"The stops contradict each other: {named} fit neither the others nor the rig, and nobody can tell which are "
+        f"wrong; check the readings{f', whether {what}' if what else ''}, then photograph more stops."
+    )
+
+
+def _with_own_scatter(found: RigFit) -> RigFit:
+    """The same fit with the scatter that stops show by themselves: what was stated too small would pass for noise of
+    the marks, and hide what it is.
+    """
+    if not found.model.stated:
+        return found
+    looks = [replace(look, reference=look.reference.stating(None)) for look in found.model.looks]
+    try:
+        return found.with_looks(looks)
+    except InputError:  # too few stops to see how they scatter
+        return found
 
 
 def _errors_of_stops(found: RigFit, u: Array) -> tuple[Array, Array]:
@@ -83,7 +107,7 @@ def _errors_of_stops(found: RigFit, u: Array) -> tuple[Array, Array]:
     weight = _counting(found) / (fit.sigma * np.sqrt(_shared_by_neighbours(fit.partial_autocorrelation)))
     errors = np.zeros((weight.size, u.size))
     errors[np.arange(weight.size), model.stop_of] = u[model.stop_of] / found.slope
-    scale = np.maximum(fit.u, 1e-300)
+    scale = np.where(np.isfinite(fit.u) & (fit.u > 0), fit.u, 1.0)
     rows = weight[:, None] * np.concatenate([fit.jacobian * scale, errors], axis=1)
     aims = weight * fit.residuals
     known = prior_of(model, found.prior)
@@ -96,8 +120,7 @@ def _errors_of_stops(found: RigFit, u: Array) -> tuple[Array, Array]:
         before[:, index] = root * scale[index]
         aside = root @ (known.mean - fit.values[index])
     own = np.concatenate([np.zeros((u.size, scale.size)), np.eye(u.size)], axis=1)
-    whole = np.concatenate([rows, before, own])
-    q, r = np.linalg.qr(whole)
+    q, r = np.linalg.qr(np.concatenate([rows, before, own]))
     inverse = np.linalg.pinv(r)
     step = inverse @ (q.T @ np.concatenate([aims, aside, np.zeros(u.size)]))
     variance = np.sum(inverse**2, axis=1)

@@ -8,6 +8,7 @@
 `photograph_board`  a chessboard, ChArUco board or dots; `unknown_fisheye`: a camera whose lens no law fits
 `photograph_flat`   a flat target before a side-facing head; a ring gauge is a `PipeWall`
 `photograph_rings`  a target of concentric rings in a `TargetLight`
+`photograph_pins`   upright `Pin`s seen from a `turntable_pose`
 `random_wall`, `random_rig` of `RIG_KINDS`, `random_pose`, `draw_rig`   for studies over many rigs
 
 Simple on purpose: planes, cones and sheets of light, matt walls, light reflected once, Gaussian blur; no halo, no
@@ -30,9 +31,11 @@ from calibore.simulation._parts import (
     WallPart,
 )
 from calibore.simulation._picture import line_image, photograph, photograph_all, render_ring
+from calibore.simulation._pin_target import Pin, photograph_pins, turntable_pose
 from calibore.simulation._random_rigs import RIG_KINDS, random_rig
-from calibore.simulation._ring_target import TargetLight, photograph_rings
+from calibore.simulation._ring_target import photograph_rings
 from calibore.simulation._sensor import Sensor
+from calibore.simulation._soft_edges import TargetLight
 from calibore.simulation._speckle import speckle_field
 from calibore.simulation._survey import Station, Survey, head_pose, simulate_scan
 from calibore.simulation._truth import TrueRing, TrueRows, true_quantities, true_ring, true_rows
@@ -48,6 +51,7 @@ __all__ = [
     "LitLine",
     "OffsetJoint",
     "Ovality",
+    "Pin",
     "PipeWall",
     "Rail",
     "Roughness",
@@ -71,6 +75,7 @@ __all__ = [
     "photograph_all",
     "photograph_board",
     "photograph_flat",
+    "photograph_pins",
     "photograph_rings",
     "random_pose",
     "random_rig",
@@ -81,5 +86,6 @@ __all__ = [
     "true_quantities",
     "true_ring",
     "true_rows",
+    "turntable_pose",
     "unknown_fisheye",
 ]

@@ -1,5 +1,6 @@
-"""The place of a dot: the centroid of its darkness, background taken away; linear in the grey values, so noise adds no
-bias. It is the image of the dot's area, not of its centre: whoever knows the lens corrects for that.
+"""The place of a dot: the centroid of its darkness against the paper, which is linear in its grey values.
+
+It is the image of the dot's area, not of its centre: whoever knows the lens corrects for that.
 """
 
 from typing import NamedTuple
@@ -79,20 +80,26 @@ def _centroid(grey: Array, offset: Array, step: Array, rooms: tuple[float, float
     reach, room = rooms
     inside, rim = distance < reach, (distance >= RIM[0] * room) & (distance < RIM[1] * room)
     terms = np.stack([*offset, np.ones(grey.shape)], axis=2)
-    plane = np.linalg.lstsq(terms[rim], grey[rim], rcond=None)[0]
-    darkness = terms @ plane - grey
+    paper = terms @ np.linalg.lstsq(terms[rim], grey[rim], rcond=None)[0]
+    if not paper.min() > 0:
+        return MISSING
+    darkness = 1 - grey / paper  # of the paper's own light, which may fall off across the dot
     noise, contrast, weight = np.std(darkness[rim]), np.percentile(darkness[inside], PEAK), darkness[inside].sum()
     area = weight / max(contrast, 1e-9)
     if contrast < CLEAR * noise or area < LEAST_AREA:
         return MISSING
     du, dv = (float(darkness[inside] @ part[inside] / weight) for part in offset)
-    spread = np.sqrt(np.sum(offset[:, inside] ** 2) / 2)
+    square = np.sum(offset**2, axis=0) / 2
+    slope = (
+        np.sum(square * (1 - darkness), where=inside) ** 2 / square[rim].sum()
+    )  # of the paper: it moves what is white
+    spread = np.sqrt(square[inside].sum() + slope)
     diameter = 2 * np.sqrt(area / abs(np.linalg.det(step)) / np.pi)
-    return du, dv, float(noise * spread / weight), _blur(grey, inside, float(contrast)), float(diameter)
+    return du, dv, float(noise * spread / weight), _blur(darkness, inside, float(contrast)), float(diameter)
 
 
-def _blur(grey: Array, inside: NDArray[np.bool_], contrast: float) -> float:
+def _blur(darkness: Array, inside: NDArray[np.bool_], contrast: float) -> float:
     """Standard deviation [px] of the blur of an edge whose steepest slope is that of a Gaussian's integral."""
-    slope = np.hypot(np.asarray(np.gradient(grey, axis=0)), np.asarray(np.gradient(grey, axis=1)))
+    slope = np.hypot(np.asarray(np.gradient(darkness, axis=0)), np.asarray(np.gradient(darkness, axis=1)))
     width = contrast / (np.sqrt(2 * np.pi) * float(np.percentile(slope[inside], PEAK)))
     return float(np.sqrt(max(width**2 - OF_DIFFERENCE, LEAST_BLUR**2)))

@@ -9,7 +9,7 @@ from calibore.targets._boards_opencv import chessboard_part, rough_marks
 Array = NDArray[np.float64]
 
 MIRRORED = "the photograph is mirrored (left and right are swapped); give it as the camera took it."
-NEAR_BORDER = 3.0  # squares
+NEAR_BORDER = 2.0  # squares
 ENOUGH = 4  # corners of a ChArUco board that are no accident
 
 
@@ -26,7 +26,10 @@ def why_not_found(image: NDArray[np.uint8], board: Board) -> str:
         )
     seen = f"a chessboard of {columns} x {rows} corners is seen in part only"
     if side := _border_near(part, image.shape):
-        return f"{seen}: it runs out of the picture at the {side}; show all of it and its white border."
+        return (
+            f"{seen}: it runs out of the picture at the {side}; show all of it and its white border (or correct the "
+            f"counts: {part.shape[1]} x {part.shape[0]} are seen)."
+        )
     return (
         f"{seen} ({part.shape[1]} x {part.shape[0]}); nothing may cover it, and it must be sharp, evenly lit and less "
         "oblique (or correct the counts)."

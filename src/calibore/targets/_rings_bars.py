@@ -8,11 +8,15 @@ ink edges in the picture: symmetric errors of w, s, c do not move it, the slope 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from calibore.targets._marks import Array, Whole
+from calibore.targets._marks import Whole
 from calibore.targets._rings_strips import Strip
+
+Array = NDArray[Any]
 
 STEPS, SETTLED = 12, 1e-4
 """At most so many Gauss-Newton steps, until no place moves by more [px]."""

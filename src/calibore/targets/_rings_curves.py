@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from calibore.targets._marks import Array
 from calibore.targets._rings_spokes import DEGREE, Spoke
+
+Array = NDArray[Any]
 
 HARMONICS = 28
 """Of the radius over the azimuth: an eccentric circle needs ln(0.01 px / R) / ln(eccentricity) of them."""

@@ -1,11 +1,14 @@
 """Dips of brightness along rays from the centre of a ring target: dark lines crossed."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.targets._marks import Array, Whole
+from calibore.targets._marks import Whole
+
+Array = NDArray[Any]
 
 RAYS = 1440
 STEP = 0.5

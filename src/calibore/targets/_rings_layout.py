@@ -1,14 +1,16 @@
 """What is known of a target's rings and spokes in a picture, and so what room there is to measure each line alone."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.targets._marks import Array
 from calibore.targets._rings_curves import HARMONICS, Round, fit_round
 from calibore.targets._rings_dips import Dips
 from calibore.targets._rings_spokes import Spoke
+
+Array = NDArray[Any]
 
 APART = 5.5
 """Blurs between neighbouring rings; nearer ones are not resolved."""

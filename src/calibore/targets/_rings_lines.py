@@ -1,15 +1,17 @@
 """One ring or spoke measured: the window that holds this line only, its bars fitted, what of them are marks."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.targets._marks import Array
 from calibore.targets._rings_bars import Bars, Noise, Start, fit_bars
 from calibore.targets._rings_curves import Curve, harmonics, ring_curve, spoke_curve
 from calibore.targets._rings_layout import CLEAR, NARROWEST, Layout
 from calibore.targets._rings_strips import Strip, strip_along
+
+Array = NDArray[Any]
 
 LEAST_STEP, MOST_BINS, FEW_BINS = 2.0, 1000, 300
 """px of a line that one mark stands for, at least; marks of the longest ring, at most; of a short ring, if they fit."""

@@ -1,15 +1,18 @@
 """All rings and spokes measured, twice: from the lines found first noise, curves and widths are learnt."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from calibore.targets._marks import Array
 from calibore.targets._rings_bars import Noise, learn_noise
 from calibore.targets._rings_curves import refitted
 from calibore.targets._rings_layout import Layout, Ring, smooth_radius, smooth_width
 from calibore.targets._rings_lines import BROAD, Line, ring_line, spoke_line
 from calibore.targets._rings_spokes import meeting_of
+
+Array = NDArray[Any]
 
 PASSES = 2
 FIRST_RINGS = (1, 2)

@@ -1,10 +1,13 @@
 """Dark lines of a picture as single points with a direction, and what they say of a ring target: centre and spokes."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from calibore.targets._marks import Array
+Array = NDArray[Any]
+
 
 WORKING_SIZE = 640
 """px: the longer side of the picture is reduced to this before lines are sought."""
@@ -52,9 +55,8 @@ def find_ridges(plane: Array) -> Ridges:
     small, scale = reduced(plane)
     local = gaussian_filter(small, SURROUNDINGS)
     relative = small / (local + 0.05 * local.max() + 1e-9)
-    dvv, duu, duv, dv, du = (
-        gaussian_filter(relative, RIDGE_SCALE, order=order) for order in ((2, 0), (0, 2), (1, 1), (1, 0), (0, 1))
-    )
+    slopes: list[Any] = [(2, 0), (0, 2), (1, 1), (1, 0), (0, 1)]
+    dvv, duu, duv, dv, du = (gaussian_filter(relative, RIDGE_SCALE, order=order) for order in slopes)
     half, mean = np.hypot((duu - dvv) / 2, duv), (duu + dvv) / 2
     across, along = mean + half, mean - half
     turn = 0.5 * np.arctan2(2 * duv, duu - dvv)

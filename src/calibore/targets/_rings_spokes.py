@@ -1,12 +1,14 @@
 """The spokes of a ring target among the dark lines of a picture: how many, where they run, where they meet."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.targets._marks import Array
 from calibore.targets._rings_ridges import Ridges
+
+Array = NDArray[Any]
 
 NEAREST, FARTHEST = 6.0, 80.0
 """Working px from the centre between which spokes are counted."""
