@@ -24,7 +24,7 @@ def fisheye():
     """A camera that no law fits, its boards, and what is found from them."""
     rng = np.random.default_rng(11)
     camera = unknown_fisheye(*SIZE, rng=rng, widest=1.7)
-    marks = marks_of(camera, held_boards(camera, rng, 16), rng, noise=NOISE)
+    marks = marks_of(camera, held_boards(camera, rng, 14), rng, noise=NOISE)
     return camera, marks, calibration_of(pictures_of(marks))
 
 
@@ -71,12 +71,11 @@ def test_the_evidence_holds_every_residual_and_pose(fisheye):
     assert set(observations.file) == set(range(len(marks)))
 
 
-@pytest.mark.parametrize("law", ["perspective", "sine-law"])
-def test_a_lens_that_follows_a_law_is_given_its_law_back(law):
+def test_a_lens_that_follows_a_law_is_given_its_law_back():
     rng = np.random.default_rng(5)
-    camera = law_camera(rng, law)
+    camera = law_camera(rng, "sine-law")
     calibration = calibration_of(pictures_of(marks_of(camera, held_boards(camera, rng, 12), rng)))
-    assert recommended(calibration).model == law
+    assert recommended(calibration).model == "sine-law"
     assert abs(calibration.values["camera.k"] - camera.lens.k) < 4 * calibration.covariance.u[0]
 
 

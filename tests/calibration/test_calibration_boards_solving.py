@@ -105,6 +105,7 @@ def test_the_search_ends_where_opencv_ends():
     assert (np.abs(ours.values - theirs) < 0.01 * u).all()
 
 
+@pytest.mark.slow
 def test_regions_contain_the_truth_as_often_as_stated_and_u_is_the_scatter():
     """Over 200 calibrations with random laws, scales, poses, numbers of boards and noise."""
     inside, squares, zenith_squares = [], [], []

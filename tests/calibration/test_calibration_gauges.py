@@ -73,7 +73,7 @@ def test_regions_hold_the_truth_as_often_as_they_say(true, free):
     held, z = 0, []
     for seed in range(2):
         rng = np.random.default_rng(seed)
-        found, choice = fit_gauges(designed(true, rng), looks_at_gauges(true, rng))
+        found, choice = fit_gauges(designed(true, rng), looks_at_gauges(true, rng, marks=240))
         assert len(found.free) == free
         assert not choice.held
         truth = np.array([value_of(true, name) - value_of(found.model.rig, name) for name in found.free])

@@ -153,6 +153,7 @@ def shared_target(folder, probe_file, lines):
     return folder
 
 
+@pytest.mark.slow
 @needs_shared
 def test_the_shared_plane_survey_and_the_shared_probe_agree_on_the_rig(tmp_path, probe_file):
     profile_scan(SHARED / "plane-6in", tmp_path / "out", workers=1)

@@ -24,7 +24,7 @@ def found_in(made):
 
 @pytest.mark.parametrize(("lengths", "diameters", "wrong"), [(34, 3, 0.0), (34, 4, 0.02 * INCH), (12, 5, 0.0)])
 def test_slope_and_intercept_are_as_uncertain_as_they_say(lengths, diameters, wrong):
-    rng, cases = np.random.default_rng(11), 500
+    rng, cases = np.random.default_rng(11), 400
     inside, errors, stated = 0, [], []
     for _ in range(cases):
         made = tables(rng, lengths=lengths, diameters=diameters, wrong=wrong, noise=rng.uniform(0.5e-4, 3e-4))

@@ -27,7 +27,7 @@ DEFAULT_U_SLIDE = 0.0005 * 0.0254
 """m; a dial caliper with a depth probe, as the dissertation's (8.2.3)."""
 DEFAULT_U_TURNTABLE = np.radians(0.05)
 """rad; a turntable with a vernier. Both pins shift alike, so the pupil hardly depends on it."""
-ROWS = 85
+ROWS = 50
 """Marks used per pin and picture: neighbouring rows are alike."""
 
 

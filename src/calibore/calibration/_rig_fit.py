@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 SETTLED, ALMOST_ALL = 0.02, 0.9
 """Relative change of what a pixel means in metres, to almost all marks, without which a fit is not repeated."""
 MOST_ROUNDS = 5
+FEWER = (0.85, 0.7)
+"""Fractions of the marks of a look that a fit is content with."""
 UNTOLD = 1e-9
 """Of the largest singular value of the scaled Jacobian: directions below are told by nothing."""
 
@@ -83,24 +85,40 @@ def fit_rig(
     evidence does not suffice or the fit fails.
     """
     whole = RigModel(rig, tuple(looks), tuple(free))
-    values = rough_values(whole, near or rig)
-    model = usable_model(whole, values, settled=True)
-    known, rounds = prior_of(model, prior), 0
-    slope = model.residuals(values)[2]
-    while True:
-        fit = _fitted(model, values, slope, known, robust=robust)
-        values, before, rounds = fit.values, slope, rounds + 1
-        slope = model.residuals(values)[2]
-        change = np.abs(slope / before - 1)[fit.weights > 0]
-        if rounds == MOST_ROUNDS or np.quantile(change, ALMOST_ALL) < SETTLED:
-            break
+    values, known = rough_values(whole, near or rig), prior_of(whole, prior)
+    model, fit, slope = _found(whole, values, known, robust=robust)
     _refuse(fit, model, bounds or {})
     count = len(model.free)
     covariance = Covariance(model.free, fit.covariance[:count, :count])
     freedom = fit.degrees_of_freedom if np.isfinite(fit.degrees_of_freedom) else None
     stated = max((reference.u or 0.0 for reference in model.stops.values()), default=0.0)
     scatter = stated if model.stated else fit.group_sigma
-    return RigFit(model.moved_rig(values).knowing(covariance, freedom), fit, model, slope, scatter, prior, bounds)
+    return RigFit(model.moved_rig(fit.values).knowing(covariance, freedom), fit, model, slope, scatter, prior, bounds)
+
+
+def _found(whole: RigModel, values: Array, known: Prior | None, *, robust: bool) -> tuple[RigModel, Fit, Array]:
+    """The model of the marks used, its fit from `values`, and the slopes (n,) of its marks. Where on the way some come
+    over a fold of the light, those next to it are left out.
+    """
+    for safest in (1.0, *FEWER):
+        model = usable_model(whole, values, safest=safest, settled=True)
+        try:
+            return model, *_settled(model, values, known, robust=robust)
+        except InputError:
+            if safest == FEWER[-1]:
+                raise
+    raise AssertionError
+
+
+def _settled(model: RigModel, values: Array, known: Prior | None, *, robust: bool) -> tuple[Fit, Array]:
+    slope = model.residuals(values)[2]
+    fit = _fitted(model, values, slope, known, robust=robust)
+    for _ in range(MOST_ROUNDS - 1):
+        before, slope = slope, model.residuals(fit.values)[2]
+        if np.quantile(np.abs(slope / before - 1)[fit.weights > 0], ALMOST_ALL) < SETTLED:
+            break
+        fit = _fitted(model, fit.values, slope, known, robust=robust)
+    return fit, slope
 
 
 def foreseen(

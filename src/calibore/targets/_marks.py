@@ -14,7 +14,8 @@ class RingMarks:
     """Points `u`, `v` (n,) [px] on dark lines, each measured along the unit vector `direction` (n, 2) with standard
     uncertainty `sigma` (n,) [px]. `ring` (n,) counts from 1 at the innermost, 0 on a spoke; `spoke` (n,) counts from
     0 in image azimuth from +u towards +v, -1 on a ring. `centre` (u, v) [px]: where the spokes meet. `width` (n,) [px]
-    of the ink across the line at each mark, None where it is not measured.
+    of the ink across the line at each mark, None where it is not measured. `left_out`: which rings were not measured
+    and why, a sentence or nothing.
     """
 
     u: Array
@@ -25,6 +26,7 @@ class RingMarks:
     spoke: Whole
     centre: tuple[float, float]
     width: Array | None = None
+    left_out: str = ""
 
 
 @dataclass(frozen=True, eq=False)

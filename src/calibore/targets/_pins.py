@@ -16,6 +16,8 @@ EDGE_SMOOTHING = 1.5
 """Gaussian [px] whose derivative finds edges: about the blur of an ordinary lens."""
 EDGE_REACH = 4
 """Pixels around the coarse edge in which the steepest place is looked for."""
+SMOOTHING_REACH = 6
+"""Pixels that the smoothing reaches to."""
 LEAST_CONTRAST = 0.08
 """A pin differs from the background by at least this fraction of it, and by 6 standard deviations of the noise."""
 NARROWEST = 5
@@ -70,22 +72,21 @@ def find_pins(image: NDArray[Any], *, near_half: Half, far_half: Half) -> PinMar
 def _background(plane: Array) -> Array:
     """The smooth brightness (h, w) behind everything: a robust quadratic surface."""
     v, u = (np.linspace(-1, 1, n) for n in plane.shape)
-
-    def terms(y: Array, x: Array) -> Array:
-        y, x = np.meshgrid(y, x, indexing="ij")
-        return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
-
-    design, seen = terms(v[::8], u[::8]).reshape(-1, 6), plane[::8, ::8].ravel()
+    y, x = np.meshgrid(v[::12], u[::12], indexing="ij")
+    design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
+    seen = plane[::12, ::12].ravel()
     kept, surface = np.ones(seen.size, dtype=bool), np.zeros(design.shape[1])
     for _ in range(8):
         surface, *_ = np.linalg.lstsq(design[kept], seen[kept], rcond=None)
         off = np.abs(seen - design @ surface)
         kept = off <= max(3 * 1.4826 * float(np.median(off)), 1e-9)
-    return np.maximum(terms(v, u) @ surface, 1.0)
+    level, by_u, by_v, by_uu, by_uv, by_vv = surface
+    along, down = (by_u + by_uu * u) * u, level + (by_v + by_vv * v) * v
+    return np.maximum(down[:, None] + along + by_uv * v[:, None] * u, 1.0)
 
 
 def _threshold(relative: Array) -> float:
-    noise = 1.4826 * float(np.median(np.abs(np.diff(relative, axis=1)))) / np.sqrt(2)
+    noise = 1.4826 * float(np.median(np.abs(np.diff(relative[::4], axis=1)))) / np.sqrt(2)
     return max(LEAST_CONTRAST, 6 * noise)
 
 
@@ -149,9 +150,11 @@ def _steepest(lines: Array, coarse: NDArray[np.intp]) -> Array:
     """Place (n,) [px] of the steepest slope of each of `lines` (n, w) near `coarse` (n,); NaN where there is none."""
     from scipy.ndimage import gaussian_filter1d
 
+    around = np.arange(-EDGE_REACH - SMOOTHING_REACH, EDGE_REACH + SMOOTHING_REACH + 1)
+    window = np.take_along_axis(lines, np.clip(coarse[:, None] + around, 0, lines.shape[1] - 1), axis=1)
+    slope = np.abs(gaussian_filter1d(window, EDGE_SMOOTHING, axis=1, order=1, mode="nearest"))
+    near = np.log(np.maximum(slope[:, SMOOTHING_REACH:-SMOOTHING_REACH], 1e-9))
     columns = coarse[:, None] + np.arange(-EDGE_REACH, EDGE_REACH + 1)
-    slope = np.abs(gaussian_filter1d(lines, EDGE_SMOOTHING, axis=1, order=1, mode="nearest"))
-    near = np.log(np.maximum(np.take_along_axis(slope, columns, axis=1), 1e-9))
     top = np.argmax(near, axis=1)
     inner = (top > 0) & (top < columns.shape[1] - 1)
     before, at, after = (near[np.arange(top.size), np.clip(top + d, 0, columns.shape[1] - 1)] for d in (-1, 0, 1))

@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.targets._marks import Array, RingMarks
+from calibore.errors import ImageError
+from calibore.targets._marks import RingMarks
 from calibore.targets._rings_chains import count_rings
-from calibore.targets._rings_checks import chosen_spokes, counted_rings, picture_of_target
-from calibore.targets._rings_layout import first_layout
+from calibore.targets._rings_checks import FEWEST_RINGS, chosen_spokes, counted_rings, picture_of_target
+from calibore.targets._rings_layout import Layout, first_layout
 from calibore.targets._rings_passes import Line, measure
 from calibore.targets._rings_ridges import find_ridges, likely_centres
 from calibore.targets._rings_spokes import find_spokes
@@ -17,9 +18,10 @@ from calibore.targets._rings_spokes import find_spokes
 def find_rings(image: NDArray[Any], *, rings: int, spokes: int) -> RingMarks:
     """Marks on the rings and spokes of a target in `image` (h, w[, 3]), 8 or 16 bit: dark lines on lighter paper.
 
-    A mark is the midpoint of the two edges of the ink in the picture, as sharp optics would show them: the shift that
-    blur gives a curved line is taken away. It is measured across the line; every pixel serves one mark, so that marks
-    do not share noise. Rings too close together to be resolved are left out from the outside.
+    A mark is the midpoint of the two edges of the ink in the picture, as sharp optics would show them: what blur shifts
+    on a curved line and in uneven light is taken away. (Where the lens stretches unevenly, this is not the image of
+    the ink's midline.) It is measured across the line. Every pixel serves one mark: marks do not share noise.
+    Rings closer together than `APART` blurs are not resolved and left out, from the inside of any place outwards.
 
     Raises ImageError: no such target, other numbers of rings or spokes, over-exposed, blurred, cut off.
     """
@@ -30,16 +32,32 @@ def find_rings(image: NDArray[Any], *, rings: int, spokes: int) -> RingMarks:
     dips = count_rings(plane, found[0].centre, found)
     count = counted_rings(dips, rings)
     lines, layout = measure(plane, first_layout(dips, found[0].centre, found, count))
-    return _marks(lines, layout.meeting)
+    return _marks(lines, layout, rings)
 
 
-def _marks(lines: list[Line], centre: Array) -> RingMarks:
-    place, direction = (np.concatenate([getattr(line, name) for line in lines]) for name in ("place", "direction"))
-    sigma, width = (np.concatenate([getattr(line, name) for line in lines]) for name in ("sigma", "width"))
+def _marks(lines: list[Line], layout: Layout, stated: int) -> RingMarks:
+    measured = {line.ring for line in lines if line.ring}
+    if len(measured) < min(FEWEST_RINGS, stated):
+        raise ImageError(
+            f"Only {len(measured)} rings are resolved with a blur of {layout.blur:.1f} px; focus on the target, or "
+            "photograph it with more pixels or from nearer."
+        )
+    place, direction, sigma, width = (
+        np.concatenate([getattr(line, name) for line in lines]) for name in ("place", "direction", "sigma", "width")
+    )
     ring, spoke = (
         np.concatenate([np.full(line.sigma.size, getattr(line, name), dtype=np.intp) for line in lines])
         for name in ("ring", "spoke")
     )
+    centre = float(layout.meeting[0]), float(layout.meeting[1])
     return RingMarks(
-        place[:, 0], place[:, 1], direction, sigma, ring, spoke, (float(centre[0]), float(centre[1])), width
+        place[:, 0], place[:, 1], direction, sigma, ring, spoke, centre, width, _left_out(measured, stated)
     )
+
+
+def _left_out(measured: set[int], stated: int) -> str:
+    missing = [str(ring) for ring in range(1, stated + 1) if ring not in measured]
+    if not missing:
+        return ""
+    which = f"Ring {missing[0]} was" if len(missing) == 1 else f"Rings {', '.join(missing)} were"
+    return f"{which} not measured: not in the picture, not resolved, or too near the paper's edge."

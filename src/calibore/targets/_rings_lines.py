@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.targets._rings_bars import Bars, Noise, Start, fit_bars
+from calibore.targets._rings_bars import Bars, Start, fit_bars
 from calibore.targets._rings_curves import Curve, harmonics, ring_curve, spoke_curve
 from calibore.targets._rings_layout import CLEAR, NARROWEST, Layout
+from calibore.targets._rings_noise import Noise
 from calibore.targets._rings_strips import Strip, strip_along
 
 Array = NDArray[Any]

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.targets._rings_bars import Noise, learn_noise
 from calibore.targets._rings_curves import refitted
 from calibore.targets._rings_layout import Layout, Ring, smooth_radius, smooth_width
 from calibore.targets._rings_lines import BROAD, Line, ring_line, spoke_line
+from calibore.targets._rings_noise import Noise, learn_noise
 from calibore.targets._rings_spokes import meeting_of
 
 Array = NDArray[Any]
@@ -33,7 +33,10 @@ def measure(plane: Array, layout: Layout) -> tuple[list[Line], Layout]:
         lines = _all_lines(plane, layout, noise)
         if not lines:
             break
-        noise = learn_noise([line.bars for line in lines])
+        predicted, square = (
+            np.concatenate([getattr(line.bars, name) for line in lines]) for name in ("predicted", "square")
+        )
+        noise = learn_noise(predicted, square)
         layout = _renewed(layout, lines)
     return lines, layout
 

@@ -26,6 +26,7 @@ APART = np.deg2rad(6.0)
 STRAYING = 0.06
 """A spoke strays from its inner, straight stretch by up to this fraction of the distance (distortion) outwards."""
 ROUNDS = 3
+ROUNDS_ROBUST = 6
 DEGREE = 4
 """Of the polynomial that describes a spoke's offset along its length."""
 
@@ -64,6 +65,7 @@ class Spoke:
 
 def find_spokes(ridges: Ridges, centre: Array) -> tuple[Spoke, ...]:
     """Spokes in order of azimuth, all with the `centre` in which they meet."""
+    lines: list[tuple[Array, Array]] = []
     for _ in range(ROUNDS):
         azimuths = _directions(ridges, centre)
         if azimuths.size < 2:
@@ -183,8 +185,8 @@ def _robust_polynomial(s: Array, t: Array, degree: int, scale: float) -> Array:
     """Coefficients, constant first, of t(s); outliers count less (Cauchy weights)."""
     reach = max(float(s.max(initial=1.0)), 1.0)
     design = np.vander(s / reach, degree + 1, increasing=True)
-    weight = np.ones(s.shape)
-    for _ in range(6):
+    weight, solution = np.ones(s.shape), np.zeros(degree + 1)
+    for _ in range(ROUNDS_ROBUST):
         solution = np.linalg.lstsq(design * weight[:, None], t * weight, rcond=None)[0]
         weight = 1 / np.sqrt(1 + ((t - design @ solution) / (0.5 * scale)) ** 2)
     return solution / reach ** np.arange(degree + 1)
