@@ -139,6 +139,11 @@ def test_a_folder_without_the_board_is_refused_with_the_first_reason(tmp_path):
     target(tmp_path)
     with pytest.raises(InputError, match=r'images = "\*.png" matches no file'):
         calibrate_boards(tmp_path)
+    text = (tmp_path / "target.toml").read_text()
+    (tmp_path / "target.toml").write_text(text.replace("*.png", "/tmp/*.png"))
+    with pytest.raises(InputError, match="relative to target"):
+        calibrate_boards(tmp_path)
+    target(tmp_path)
     Image.fromarray(np.full((120, 160), 90, dtype=np.uint8)).save(tmp_path / "a.png")
     (tmp_path / "b.png").write_bytes(b"no picture")
     with pytest.raises(InputError, match=r"no photograph shows the board. a.png: no chessboard of 7 x 5 corners"):

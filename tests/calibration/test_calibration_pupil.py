@@ -11,6 +11,7 @@ from calibore.calibration import calibrate_pupil, recomputed_covariance, write_c
 from calibore.calibration._pupil_model import PinModel, camera_rotation
 from calibore.calibration._pupil_start import start_values
 from calibore.errors import InputError
+from calibore.units import parse_quantity
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated" / "pupil"
 needs_shared = pytest.mark.skipif(
@@ -122,7 +123,8 @@ def test_the_shared_fixture_has_its_pupil_where_it_was_put(shared_pupil):
     (value,), (u,) = shared_pupil.values.values(), shared_pupil.covariance.u
     assert abs(value - PUPIL) < min(0.02 * INCH, 2.5 * u)
     assert shared_pupil.models[0].model == "equidistant"
-    assert shared_pupil.settings["pupil"]["slide"] == f"{value!r} m"
+    said = {name: parse_quantity(text, "length") for name, text in shared_pupil.settings["pupil"].items()}
+    assert said == pytest.approx({"slide": value, "first_slide": 0.6 * INCH, "last_slide": 1.2 * INCH})
 
 
 @pytest.mark.slow

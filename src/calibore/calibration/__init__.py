@@ -1,7 +1,7 @@
 """From pictures of known things to parameters with covariance, and to the evidence that they can be trusted.
 
 `Calibration`   what was found: rig or camera, covariance, model comparison, valid region, evidence
-`calibrate`     the calibration that a target.toml asks for; `calibrate_boards`, `calibrate_pupil`, `calibrate_probe`, `calibrate_profile`
+`calibrate`     the calibration that a target.toml asks for, by its kind: `calibrate_boards`, `calibrate_pupil` ...
 `write_calibration`, `read_calibration`   its FILE, a rig file or the part of one, and its evidence beside it
 `check_calibration_file`   whether a FILE may be written, before any work
 `recomputed_covariance`, `verify_inputs`   whether FILE, evidence and inputs still agree

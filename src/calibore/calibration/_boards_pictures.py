@@ -1,7 +1,7 @@
 """target.toml of a flat board, and its photographs turned into marks."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -87,7 +87,7 @@ class BoardPictures:
     size: tuple[int, int]
 
 
-def read_board_pictures(path: Path, *, progress: Callable[[int, int], None] | None = None) -> BoardPictures:
+def read_board_pictures(path: Path, *, progress: Progress | None = None) -> BoardPictures:
     """Marks of every photograph on which the board is found sharp; the others are listed with the reason. Raises
     InputError where target.toml is wrong, none is left, or their sizes differ.
     """
@@ -98,28 +98,33 @@ def read_board_pictures(path: Path, *, progress: Callable[[int, int], None] | No
     except InputError as error:
         raise InputError(f"{toml}: {error}") from error
     photographs = _photographs(toml, target)
+    found, sizes = _looked_at(photographs, board, progress)
+    _check_sizes(toml, sizes)
+    found = _sharp_ones(found)
+    refusals = [marks if isinstance(marks, str) else "" for marks in found]
+    files = tuple(input_file(file, refused=why) for file, why in zip(photographs, refusals, strict=True))
+    if all(refusals):
+        raise InputError(f"{toml}: no photograph shows the board. {files[0].name}: {files[0].refused}")
+    used = tuple(number for number, why in enumerate(refusals) if not why)
+    good = tuple(marks for marks in found if isinstance(marks, BoardMarks))
+    return BoardPictures(toml, target, good, used, files, next(iter(sizes)))
+
+
+def _looked_at(
+    photographs: Sequence[Path], board: Board, progress: Progress | None
+) -> tuple[list[BoardMarks | str], dict[tuple[int, int], Path]]:
+    """Marks of each, or why there are none; the sizes that occur, with the first file of each."""
     found: list[BoardMarks | str] = []
     sizes: dict[tuple[int, int], Path] = {}
     with ThreadPoolExecutor(min(WORKERS, os.cpu_count() or 1)) as workers:
-        for file, (marks, size) in zip(
-            photographs, workers.map(lambda file: _seen(file, board), photographs), strict=True
-        ):
+        results = workers.map(lambda file: _seen(file, board), photographs)
+        for file, (marks, size) in zip(photographs, results, strict=True):
             found.append(marks)
             if size is not None:
                 sizes.setdefault(size, file)
             if progress is not None:
                 progress(len(found), len(photographs))
-    _check_sizes(toml, sizes)
-    found = _sharp_ones(found)
-    files = [
-        input_file(file, refused=marks if isinstance(marks, str) else "")
-        for file, marks in zip(photographs, found, strict=True)
-    ]
-    used = [number for number, marks in enumerate(found) if isinstance(marks, BoardMarks)]
-    if not used:
-        raise InputError(f"{toml}: no photograph shows the board. {files[0].name}: {files[0].refused}")
-    good = tuple(marks for marks in found if isinstance(marks, BoardMarks))
-    return BoardPictures(toml, target, good, tuple(used), tuple(files), next(iter(sizes)))
+    return found, sizes
 
 
 def _seen(file: Path, board: Board) -> tuple[BoardMarks | str, tuple[int, int] | None]:
@@ -175,9 +180,9 @@ def _photographs(toml: Path, target: BoardTargetFile) -> list[Path]:
     return files
 
 
-def _matching(folder: Path, pattern: str) -> Iterator[Path]:
+def _matching(folder: Path, pattern: str) -> list[Path]:
     try:
-        return (file for file in folder.glob(pattern) if file.is_file())
+        return [file for file in folder.glob(pattern) if file.is_file()]
     except (ValueError, NotImplementedError) as error:
         raise InputError(
             f'images = "{pattern}" is no pattern of files ({error}); write it relative to target.toml, such as "*.png".'

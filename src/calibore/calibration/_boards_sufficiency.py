@@ -26,7 +26,7 @@ ADVICE = (
 SAME_TURN, SAME_PLACE = np.radians(3.0), 0.03
 """Poses that differ by less, the place as a part of the distance, tell the same."""
 FREE = LensModel("polynomial", ("polynomial_3", "polynomial_5"))
-ROUNDING = 1e-15  # relative: the direction that cannot be told apart shall count
+ROUNDING = 1e-13  # relative: the direction that cannot be told apart shall count
 PARALLEL = np.radians(3.0)
 WORST_RMS = 3.0
 """px: residuals beyond which the marks are not those of this board through any lens."""
@@ -75,11 +75,10 @@ def distance_correlation(data: BoardData, estimate: Estimate) -> float:
     jacobian = np.zeros((data.owner.size, 2, data.boards, 6))
     jacobian[np.arange(data.owner.size), :, data.owner] = found.by_pose
     rows = np.concatenate([shared, jacobian.reshape(data.owner.size, 2, -1)], axis=2).reshape(2 * data.owner.size, -1)
-    rows = rows / np.linalg.norm(rows, axis=0)
-    covariance = np.linalg.pinv(rows.T @ rows, rcond=ROUNDING, hermitian=True)
-    distance = len(free.names) + np.arange(5, 6 * data.boards, 6)
-    correlation = covariance[0, distance] / np.sqrt(covariance[0, 0] * covariance[distance, distance])
-    return float(np.abs(correlation).max())
+    _, values, turns = np.linalg.svd(rows / np.linalg.norm(rows, axis=0), full_matrices=False)
+    factor = turns.T / np.maximum(values, ROUNDING * values[0])
+    k, distance = factor[0], factor[len(free.names) + np.arange(5, 6 * data.boards, 6)]
+    return float(np.abs(distance @ k / (np.linalg.norm(k) * np.linalg.norm(distance, axis=1))).max())
 
 
 def distinct_poses(poses: Array) -> int:
@@ -117,8 +116,7 @@ def check_identified(found: BoardFit, pictures: BoardPictures) -> None:
     known = f"known to {u:.3g} px only" if np.isfinite(u) else "not known at all"
     raise InputError(
         f"{pictures.toml}: {_said(worst)} is {known}: it cannot be told apart from {_said(other)} (correlation "
-        f"{correlation:.4f}); "
-        f"the boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
+        f"{correlation:.4f}); the boards are tilted against each other by at most {tilt:.0f} deg; {ADVICE}."
     )
 
 
@@ -153,13 +151,11 @@ def _said(name: str) -> str:
 
 def _partner(found: BoardFit, name: str) -> tuple[str, float]:
     """The parameter that correlates most with `name`."""
-    names, covariance = found.fit.names, found.fit.covariance
+    names, u = found.fit.names, found.fit.u
     index = names.index(name)
-    u = found.fit.u
     with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = np.abs(covariance[index] / (u * u[index]))
+        correlation = np.abs(found.fit.covariance[index] / (u * u[index]))
+    correlation[~np.isfinite(correlation)] = 1.0  # what is not known at all goes with whatever else is not
     correlation[index] = 0.0
-    correlation = np.where(np.isfinite(correlation), correlation, 1.0) if not np.isfinite(u[index]) else correlation
-    correlation[index] = 0.0
-    partner = int(np.nanargmax(correlation))
+    partner = int(np.argmax(correlation))
     return names[partner], float(min(correlation[partner], 1.0))

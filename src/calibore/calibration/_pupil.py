@@ -45,8 +45,8 @@ def calibrate_pupil(path: Path | str, *, progress: Callable[[int, int], None] | 
         u_turntable=target.u_turntable,
     )
     fit, pupil = found.fit, found.pupil
-    settings = {"slide": f"{pupil.value!r} m", "first_slide": f"{pictures.slides.min()!r} m"}
-    settings["last_slide"] = f"{pictures.slides.max()!r} m"
+    ends = {"slide": pupil.value, "first_slide": pictures.slides.min(), "last_slide": pictures.slides.max()}
+    settings = {name: f"{float(place)!r} m" for name, place in ends.items()}
     return Calibration(
         kind=target.kind,
         rig=None,

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from calibore.calibration._calibration import Calibration
 from calibore.calibration._lens_models import lens_models
 from calibore.calibration._pupil_target import input_file
-from calibore.calibration._rings_choice import Trial, recommended, tried
+from calibore.calibration._rings_choice import BASELINE, Trial, recommended, tried
 from calibore.calibration._rings_fit import RingFit, fit_all, fit_lens
-from calibore.calibration._rings_model import Printed, target_names
+from calibore.calibration._rings_model import PLANE, Printed, target_names
 from calibore.calibration._rings_pictures import RingPictures, read_ring_pictures
 from calibore.calibration._rings_result import Outcome, comparisons, observations_of, outcome_of, valid_region
 from calibore.calibration._rings_sight import Sight
@@ -31,8 +31,10 @@ EVIDENT = 4.0
 
 
 def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | None = None) -> Calibration:
-    """Camera and plane of light from the photographs that `path`, a target.toml or its folder, names: the plane is
-    where the target stood in the first one. `progress(done, total)` counts photographs and lens models.
+    """Camera and plane of light from the photographs that `path`, a target.toml or its folder, names.
+
+    The light is taken to stand where the target stood in the first one, straight across. `progress(done, total)`
+    counts photographs and lens models.
 
     Raises InputError saying which evidence is missing: target not found, too few rings, a view too narrow to tell k
     from D, a perspective lens.
@@ -42,15 +44,15 @@ def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | 
     sight = sight_of(pictures)
     outcome = evaluated(sight, pictures.target.lens, done=count.another)
     check(outcome, pictures)
-    fit = outcome.ring_fit.fit
-    names = outcome.covariance.names
+    fit, rig = outcome.ring_fit.fit, outcome.across
+    assert rig.covariance is not None
     place = _place(outcome) | {"ink_width": sight.printed.ink_width}
     return Calibration(
         kind=pictures.target.kind,
-        rig=outcome.rig,
-        camera=outcome.rig.camera,
-        values={name: fit.value(name) for name in names},
-        covariance=outcome.covariance,
+        rig=rig,
+        camera=rig.camera,
+        values={name: fit.value(name) for name in rig.covariance.names},
+        covariance=rig.covariance,
         degrees_of_freedom=fit.degrees_of_freedom,
         noise=fit.noise,
         group_sigma=fit.group_sigma,
@@ -116,9 +118,10 @@ def _ink_width(pictures: RingPictures) -> float:
 
 
 def _place(outcome: Outcome) -> dict[str, float]:
-    """Where on the plane the target was in the first photograph, SI."""
-    names = [name for name in target_names(0) if name.startswith("target.")]
-    return {name.removeprefix("target."): outcome.ring_fit.fit.value(name) for name in names}
+    """Where the target's centre was in the first photograph and how it was held, SI; u of its slopes."""
+    names = [name for name in target_names(0) if name != BASELINE]
+    place = {name.split(".")[1]: outcome.ring_fit.fit.value(name) for name in names}
+    return place | {f"u_{name.split('.')[1]}": outcome.value(name).u for name in PLANE[1:]}
 
 
 class _Count:

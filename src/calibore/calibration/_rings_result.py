@@ -1,7 +1,7 @@
 """What a fit of ring photographs means: the rig, how well it is known, and the evidence."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from calibore.calibration._rings_choice import BASELINE, DETERMINED, SCALE, Tria
 from calibore.calibration._rings_fit import RingFit
 from calibore.calibration._rings_model import PLANE
 from calibore.calibration._rings_sight import Sight
+from calibore.lasers import Plane
 from calibore.optics import LENS_LAWS
 from calibore.rigs import Rig, ValidRegion
 from calibore.uncertainty import Covariance, Quantity
@@ -43,8 +44,18 @@ class Outcome:
         return Quantity(self.ring_fit.fit.value(name), float(u), self.ring_fit.fit.degrees_of_freedom)
 
     @property
+    def across(self) -> Rig:
+        """The rig whose light stands at the target's distance in the first picture, straight across the camera's axis:
+        how the target was held says nothing of the light.
+        """
+        rig, fit = self.rig, self.ring_fit.fit
+        light = replace(rig.lasers[0], surface=Plane(fit.value(BASELINE)))
+        known = self.covariance.restricted([name for name in self.covariance.names if name not in PLANE[1:]])
+        return replace(rig, lasers=(light,), covariance=known)
+
+    @property
     def rig(self) -> Rig:
-        """The light is where the target stood in the first picture."""
+        """The same, its light tilted as the target was."""
         fit = self.ring_fit.fit
         return self.ring_fit.model.rig(fit.values, 0).knowing(self.covariance, fit.degrees_of_freedom)
 

@@ -55,6 +55,10 @@ def findings(outcome: Outcome, pictures: RingPictures) -> Iterator[str]:
         )
     for number in range(1, len(outcome.ring_fit.model.marks)):
         yield _other_picture(outcome, pictures, number)
+    yield (
+        "As a rig file it takes the light to stand exactly where the target stood, straight across the camera's axis. "
+        "Where the laser is mounted by itself, give the file as lens_file to `calibore calibrate rig`."
+    )
     yield "It does not matter whether the target was turned or mirrored: rings and spokes are counted as they are seen."
 
 

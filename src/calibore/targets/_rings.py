@@ -14,6 +14,9 @@ from calibore.targets._rings_passes import Line, measure
 from calibore.targets._rings_ridges import find_ridges, likely_centres
 from calibore.targets._rings_spokes import find_spokes
 
+RESOLVED = 0.6
+"""Of the rings that are counted, at least this fraction must be measured, or the picture is blurred."""
+
 
 def find_rings(image: NDArray[Any], *, rings: int, spokes: int) -> RingMarks:
     """Marks on the rings and spokes of a target in `image` (h, w[, 3]), 8 or 16 bit: dark lines on lighter paper.
@@ -32,16 +35,20 @@ def find_rings(image: NDArray[Any], *, rings: int, spokes: int) -> RingMarks:
     dips = count_rings(plane, found[0].centre, found)
     count = counted_rings(dips, rings)
     lines, layout = measure(plane, first_layout(dips, found[0].centre, found, count))
+    _refuse_blurred(lines, layout, count)
     return _marks(lines, layout, rings)
 
 
-def _marks(lines: list[Line], layout: Layout, stated: int) -> RingMarks:
-    measured = {line.ring for line in lines if line.ring}
-    if len(measured) < min(FEWEST_RINGS, stated):
+def _refuse_blurred(lines: list[Line], layout: Layout, counted: int) -> None:
+    measured = sum(line.ring > 0 for line in lines)
+    if measured < max(min(FEWEST_RINGS, counted), RESOLVED * counted):
         raise ImageError(
-            f"Only {len(measured)} rings are resolved with a blur of {layout.blur:.1f} px; focus on the target, or "
-            "photograph it with more pixels or from nearer."
+            f"Only {measured} of {counted} rings are resolved with a blur of {layout.blur:.1f} px; focus on the target, "
+            "or photograph it with more pixels or from nearer."
         )
+
+
+def _marks(lines: list[Line], layout: Layout, stated: int) -> RingMarks:
     place, direction, sigma, width = (
         np.concatenate([getattr(line, name) for line in lines]) for name in ("place", "direction", "sigma", "width")
     )
@@ -49,6 +56,7 @@ def _marks(lines: list[Line], layout: Layout, stated: int) -> RingMarks:
         np.concatenate([np.full(line.sigma.size, getattr(line, name), dtype=np.intp) for line in lines])
         for name in ("ring", "spoke")
     )
+    measured = {line.ring for line in lines if line.ring}
     centre = float(layout.meeting[0]), float(layout.meeting[1])
     return RingMarks(
         place[:, 0], place[:, 1], direction, sigma, ring, spoke, centre, width, _left_out(measured, stated)

@@ -15,6 +15,8 @@ SMALLEST = 200
 """px: the shorter side of a picture that can show a target."""
 SATURATED = 0.02
 """Fraction of the bright pixels that may be at full scale."""
+DARKEST = 0.12
+"""Of full scale: the brightest hundredth of the picture must be brighter."""
 FULL_SCALES = (255, 1023, 4095, 16383, 65535)
 """Of sensors with 8, 10, 12, 14 and 16 bit."""
 SEEN = 0.15
@@ -29,12 +31,10 @@ HIDDEN = 0.08
 """Of the way round: shorter gaps are spokes."""
 JUMP = (0.62, 1.6)
 """From ring to ring their distance grows or shrinks by a factor that itself changes less than this."""
-SHRINKING = 0.4
-"""The distance to the next ring is at least this fraction of the last."""
-PLAIN = 12.0
-"""px: where the next ring would be at least so far away, it could not be overlooked."""
+SHORT, BEYOND_PAPER = 0.7, 5.0
+"""Of the last distance between rings, paper that cannot hold one more; px of picture that show that it ends."""
 EXPECTED = 0.5
-"""Fraction of the rays on which a ring that is not seen would have to be in the picture to be missed."""
+"""Fraction of the rays that must agree."""
 
 
 def picture_of_target(image: NDArray[Any]) -> Array:
@@ -54,6 +54,11 @@ def picture_of_target(image: NDArray[Any]) -> Array:
                 f"The picture is over-exposed: {100 * part:.0f} % of its bright pixels are at full scale "
                 f"({brightest}); photograph the target with a shorter exposure."
             )
+    elif image.dtype == np.uint8 and (paper := float(np.quantile(image, 0.99))) < DARKEST * 255:
+        raise ImageError(
+            f"The picture is under-exposed: its brightest parts are at {paper:.0f} of 255; photograph the target with "
+            "more light or a longer exposure."
+        )
     plane = image if image.ndim == 2 else image.mean(axis=2)
     return plane / float(np.iinfo(image.dtype).max)
 
@@ -119,8 +124,8 @@ def _refuse_one_sided(dips: Dips, rings: int) -> None:
             towards = ("lower right", "lower left", "upper left", "upper right")[int(quadrants.argmin())]
             raise ImageError(
                 f"Ring {ring} is seen on only {100 * seen.mean():.0f} % of its way round, least towards the {towards}; "
-                f"photograph the target so that at least {WHOLE_RINGS} whole rings and parts of the others on all "
-                "sides are in the picture."
+                f"photograph the target so that at least {WHOLE_RINGS} whole rings, large enough to be told from the "
+                "spokes, and parts of the others on all sides are in the picture."
             )
 
 
@@ -142,16 +147,15 @@ def _refuse_gaps(dips: Dips, count: int) -> None:
 
 
 def _refuse_absence(dips: Dips, count: int, stated: int) -> None:
-    """Refuses a picture in which the next ring would have to be seen, were there one."""
+    """Refuses a target whose paper ends, well within the picture, before the next ring could come."""
     radius = _radii(dips, count)
-    last, before = radius[-1] - radius[-2], radius[-2] - (radius[-3] if count > 2 else 0)
-    step = last * np.clip(last / before, SHRINKING, 1.0)
-    with np.errstate(invalid="ignore"):
-        plain = (step > PLAIN) & (radius[-1] + 1.5 * step < dips.frame)
-    if np.isfinite(step).any() and plain.mean() > EXPECTED:
+    step = radius[-1] - radius[-2]
+    ends = (dips.paper < radius[-1] + SHORT * step) & (dips.paper < dips.frame - BEYOND_PAPER)
+    known = np.isfinite(step)
+    if known.any() and ends[known].mean() > EXPECTED:
         raise ImageError(
-            f"{count} rings were found where {stated} are stated, and there is none further out; correct rings in "
-            "target.toml, or light the target evenly."
+            f"{count} rings were found where {stated} are stated, and the paper ends there; correct rings in "
+            "target.toml."
         )
 
 

@@ -70,10 +70,24 @@ def find_spokes(ridges: Ridges, centre: Array) -> tuple[Spoke, ...]:
         azimuths = _directions(ridges, centre)
         if azimuths.size < 2:
             return ()
-        lines = [_inner_line(ridges, centre, azimuth) for azimuth in azimuths]
+        lines = _different([_inner_line(ridges, centre, azimuth) for azimuth in azimuths])
+        if len(lines) < 2:
+            return ()
         centre = meeting_point(*zip(*lines, strict=True))
-    azimuths = np.sort(np.array([np.arctan2(*along[::-1]) % (2 * np.pi) for _, along in lines]))
-    return tuple(_traced(ridges, centre, float(azimuth)) for azimuth in azimuths)
+    return tuple(_traced(ridges, centre, azimuth) for azimuth in sorted(_azimuth(along) for _, along in lines))
+
+
+def _different(lines: list[tuple[Array, Array]]) -> list[tuple[Array, Array]]:
+    """Without those that run where another does: a short spoke may be met twice."""
+    kept: list[tuple[Array, Array]] = []
+    for point, along in lines:
+        if all(along @ other < np.cos(APART) for _, other in kept):
+            kept.append((point, along))
+    return kept
+
+
+def _azimuth(along: Array) -> float:
+    return float(np.arctan2(along[1], along[0]) % (2 * np.pi))
 
 
 def meeting_of(spokes: tuple[Spoke, ...]) -> Array:
