@@ -140,7 +140,7 @@ def test_a_folder_without_the_board_is_refused_with_the_first_reason(tmp_path):
     with pytest.raises(InputError, match=r'images = "\*.png" matches no file'):
         calibrate_boards(tmp_path)
     text = (tmp_path / "target.toml").read_text()
-    (tmp_path / "target.toml").write_text(text.replace("*.png", "/tmp/*.png"))
+    (tmp_path / "target.toml").write_text(text.replace("*.png", "/pictures/*.png"))
     with pytest.raises(InputError, match="relative to target"):
         calibrate_boards(tmp_path)
     target(tmp_path)

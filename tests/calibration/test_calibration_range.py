@@ -212,9 +212,7 @@ DESIGN = 'design_baseline = "61 mm"\ndesign_aim = "20.4 deg"\ndesign_k = 790.0\n
 def target(folder, images, *, design=DESIGN):
     for name, picture in images.items():
         write_png(folder / name, picture)
-    text = (
-        'format = "calibore-target/1"\nkind = "range"\nimages = "r {index:02d} {take}.png"\nrange_step = "1 cm"\n'
-    )
+    text = 'format = "calibore-target/1"\nkind = "range"\nimages = "r {index:02d} {take}.png"\nrange_step = "1 cm"\n'
     (folder / "target.toml").write_text(text + design)
     return folder
 

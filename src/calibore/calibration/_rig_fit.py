@@ -168,7 +168,7 @@ def _fitted(model: RigModel, values: Array, slope: Array, known: Prior | None, *
         groups=model.stop_of,
         group_loads=(u if model.stated else 1.0) / slope,
         group_sigma=1.0 if model.stated else None,
-        chains=model.look_of,
+        chains=model.chain_of,
         robust=robust,
     )
 

@@ -73,6 +73,13 @@ class RigModel:
         return np.array([stops.index(look.of_stop) for look in self.looks])[self.look_of]
 
     @cached_property
+    def chain_of(self) -> Whole:
+        """Number of the stretch of neighbours that each of the n marks belongs to."""
+        chains = [look.chain for look in self.looks]
+        starts = np.cumsum([0, *(chain[-1] + 1 for chain in chains)])
+        return np.concatenate([chain + start for chain, start in zip(chains, starts, strict=False)])
+
+    @cached_property
     def sigma(self) -> Array:
         """(n,) [px]."""
         return np.concatenate([look.sigma for look in self.looks])

@@ -43,7 +43,7 @@ def _refuse_blurred(lines: list[Line], layout: Layout, counted: int) -> None:
     measured = sum(line.ring > 0 for line in lines)
     if measured < max(min(FEWEST_RINGS, counted), RESOLVED * counted):
         raise ImageError(
-            f"Only {measured} of {counted} rings are resolved with a blur of {layout.blur:.1f} px; focus on the target, "
+            f"Only {measured} of {counted} rings are resolved with a blur of {layout.blur:.1f} px; focus on the target "
             "or photograph it with more pixels or from nearer."
         )
 
