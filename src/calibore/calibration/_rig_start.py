@@ -1,5 +1,6 @@
 """Where the search for a rig starts: marks that its light explains, what is known, a first look at the values."""
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from calibore.calibration._rig_model import RigModel, nearest_branches
 from calibore.calibration._rig_values import value_of
 from calibore.errors import InputError
-from calibore.rigs import Rig, margin
+from calibore.rigs import Rig, margin, moved
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
@@ -24,6 +25,10 @@ MOST_LOOKS, SETTLED, ROUGHLY = 4, 0.02, 1e-5
 """First looks, the last of which changes nothing by more of what is known at least; how exactly each ends."""
 SAFEST = 0.6
 """Of the marks of a look, for first looks: a rig that is not yet right takes near meetings for far ones at a fold."""
+POOR = 1.5
+"""px: marks that are typically so far off are not explained."""
+TURNS, MOST_TURNED = (-0.03, -0.015, 0.0, 0.015, 0.03), 4
+"""rad: other half angles and aims that are tried then; how many of their combinations."""
 LOST = 100.0
 """px: how far off a mark counts at least in a first look that on the way meets no light; more than any that does."""
 FAR_WORSE = 3.0
@@ -93,8 +98,22 @@ def prior_of(model: RigModel, rig: Covariance | None) -> Prior | None:
 
 def rough_values(model: RigModel, near: Rig) -> Array:
     """Parameters (p,) near enough for what a pixel means in metres and which meeting each mark shows: every mark with
-    its own slope, all alike good, within what people who build a rig know of it.
+    its own slope, all alike good, within what people who build a rig know of it. Where that explains little, other
+    angles of cones are tried: of a ring off its place, near meetings pass for far ones.
     """
+    values = _roughly(model, near)
+    off = _typically_off(model, values)
+    if off > POOR:
+        for turned in _turned(model, near):
+            other = _roughly(model, turned)
+            if (other_off := _typically_off(model, other)) < off:
+                values, off = other, other_off
+            if off < POOR:
+                break
+    return values
+
+
+def _roughly(model: RigModel, near: Rig) -> Array:
     from scipy.optimize import least_squares
 
     values, known = first_values(model, near), _known_at_least(model)
@@ -107,6 +126,25 @@ def rough_values(model: RigModel, near: Rig) -> Array:
         if np.abs(known @ (values - start)).max() < SETTLED:
             break
     return values
+
+
+def _typically_off(model: RigModel, values: Array) -> float:
+    """px, median over the marks."""
+    value, _, slope = replace(model, branches=nearest_branches(model, values)).gaps(values)
+    return float(np.median(np.nan_to_num(np.abs(value / slope), nan=np.inf)))
+
+
+def _turned(model: RigModel, near: Rig) -> list[Rig]:
+    """`near` with other half angles and aims, those first that explain most as they are."""
+    names = [name for name in model.free if name.endswith("half_angle")]
+    turned = []
+    for wider in TURNS if names else ():
+        for tipped in TURNS:
+            aims = {name.replace("half_angle", "aim"): tipped for name in names}
+            changes = dict.fromkeys(names, wider) | {name: turn for name, turn in aims.items() if name in model.free}
+            with suppress(InputError):
+                turned.append(moved(near, changes))
+    return sorted(turned, key=lambda rig: _typically_off(model, first_values(model, rig)))[:MOST_TURNED]
 
 
 class _Rough:

@@ -14,7 +14,7 @@ from calibore.calibration._calibration import Calibration
 from calibore.calibration._lens_models import lens_models
 from calibore.calibration._pupil_target import input_file
 from calibore.calibration._rings_choice import BASELINE, Trial, recommended, tried
-from calibore.calibration._rings_fit import RingFit, fit_all, fit_lens
+from calibore.calibration._rings_fit import RingFit, final_fit, fit_all, fit_lens
 from calibore.calibration._rings_model import PLANE, Printed, target_names
 from calibore.calibration._rings_pictures import RingPictures, read_ring_pictures
 from calibore.calibration._rings_result import Outcome, comparisons, observations_of, outcome_of, valid_region
@@ -100,7 +100,7 @@ def _resistant(sight: Sight, chosen: Trial) -> RingFit:
         if sight.u_ring is None:
             printed = fit_lens(sight, lens, start=start, of_print=True)
             of_print = information_criteria(printed.fit).aicc < chosen.aicc - EVIDENT
-        return fit_lens(sight, lens, start=start, of_print=of_print, robust=True)
+        return final_fit(sight, chosen.ring_fit, of_print=of_print)
     return chosen.ring_fit
 
 

@@ -120,7 +120,7 @@ def _seen(outcome: Outcome, pictures: RingPictures) -> str:
     marks = outcome.ring_fit.model.marks
     rings = sorted({int(ring) for one in marks for ring in np.unique(one.ring[one.ring > 0])})
     missing = sorted(set(range(1, pictures.target.rings + 1)) - set(rings))
-    lost = f" (not resolved: {', '.join(map(str, missing))})" if missing else ""
+    lost = f" (not measured: {', '.join(map(str, missing))})" if missing else ""
     count = sum(one.u.size for one in pictures.marks)
     photographs = "1 photograph" if len(marks) == 1 else f"{len(marks)} photographs"
     region = valid_region(outcome)

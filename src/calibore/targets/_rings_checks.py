@@ -31,8 +31,12 @@ HIDDEN = 0.08
 """Of the way round: shorter gaps are spokes."""
 JUMP = (0.62, 1.6)
 """From ring to ring their distance grows or shrinks by a factor that itself changes less than this."""
-SHORT, BEYOND_PAPER = 0.7, 5.0
-"""Of the last distance between rings, paper that cannot hold one more; px of picture that show that it ends."""
+SHRINKING, SPARE, BEYOND_PAPER = 0.4, 0.3, 5.0
+"""The distance to the next ring is at least this fraction of the last; fraction of the last distance that the paper may
+fall short of the rings that are stated; px of picture beyond the paper that show that it ends.
+"""
+PLAIN = 8.0
+"""px between rings from which none is overlooked for being too close to the next."""
 EXPECTED = 0.5
 """Fraction of the rays that must agree."""
 
@@ -147,11 +151,13 @@ def _refuse_gaps(dips: Dips, count: int) -> None:
 
 
 def _refuse_absence(dips: Dips, count: int, stated: int) -> None:
-    """Refuses a target whose paper ends, well within the picture, before the next ring could come."""
-    radius = _radii(dips, count)
-    step = radius[-1] - radius[-2]
-    ends = (dips.paper < radius[-1] + SHORT * step) & (dips.paper < dips.frame - BEYOND_PAPER)
-    known = np.isfinite(step)
+    """Refuses a target whose paper ends, well within the picture, before the rings that are stated could come."""
+    steps = np.diff(_radii(dips, count), axis=0, prepend=0.0)
+    shrinking = np.clip(steps[-1] / steps[-2], SHRINKING, 1.0)
+    needed = steps[-1] * (sum(shrinking**more for more in range(1, stated - count + 1)) - SPARE)
+    last = steps.sum(axis=0)
+    ends = (dips.paper < last + needed) & (dips.paper < dips.frame - BEYOND_PAPER) & (steps[-1] > PLAIN)
+    known = np.isfinite(needed)
     if known.any() and ends[known].mean() > EXPECTED:
         raise ImageError(
             f"{count} rings were found where {stated} are stated, and the paper ends there; correct rings in "

@@ -28,8 +28,8 @@ FWHM = 2.355
 """Full width at half depth of a Gaussian, in standard deviations."""
 LEAST_HARMONICS, HARMONICS_PER_PIXEL = 4, 0.12
 """A small ring has fewer: its curvature, by which blur moves it, must not follow noise."""
-FORMER = 0.02
-"""Weight of where a ring was seen against where it was measured."""
+FORMER, EVERY = 0.08, 4
+"""Weight of where a ring was seen against where it was measured; of so many rays one is asked."""
 STRAYED = 2.0
 """px: dips farther off the smooth curve of their ring belong to something else."""
 NARROWEST = 0.02
@@ -154,7 +154,7 @@ def smooth_radius(azimuth: Array, radius: Array, *, before: Ring | None = None) 
     count = min(HARMONICS, int(LEAST_HARMONICS + HARMONICS_PER_PIXEL * np.median(radius)))
     if before is None:
         return fit_round(azimuth, radius, count=min(count, max(2, azimuth.size // 3)))
-    seen = np.flatnonzero(before.seen) * (2 * np.pi / before.seen.size)
+    seen = np.flatnonzero(before.seen)[::EVERY] * (2 * np.pi / before.seen.size)
     weight = np.repeat([1.0, FORMER], [azimuth.size, seen.size])
     return fit_round(np.append(azimuth, seen), np.append(radius, before.radius(seen)), weight=weight, count=count)
 
