@@ -20,6 +20,8 @@ SETTLED, ALMOST_ALL = 0.02, 0.9
 MOST_ROUNDS = 5
 FEWER = (0.85, 0.7)
 """Fractions of the marks of a look that a fit is content with."""
+UNEXPLAINED = 5.0
+"""px: marks that stay so far off on the median are lines of something else."""
 UNTOLD = 1e-9
 """Of the largest singular value of the scaled Jacobian: directions below are told by nothing."""
 
@@ -174,6 +176,9 @@ def _fitted(model: RigModel, values: Array, slope: Array, known: Prior | None, *
 
 
 def _refuse(fit: Fit, model: RigModel, bounds: Mapping[str, tuple[float, float]]) -> None:
+    off = float(np.median(np.abs(fit.residuals)))
+    if off > UNEXPLAINED:
+        raise InputError(f"Nothing near what was stated explains the pictures: marks stay {off:.0f} px off, typically.")
     for name, u in zip(model.free, fit.u, strict=False):
         if not np.isfinite(u):
             raise InputError(f"The pictures do not tell {name} apart from the other parameters; hold it, or add looks.")

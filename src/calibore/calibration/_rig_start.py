@@ -130,7 +130,10 @@ def _roughly(model: RigModel, near: Rig) -> Array:
 
 def _typically_off(model: RigModel, values: Array) -> float:
     """px, median over the marks."""
-    value, _, slope = replace(model, branches=nearest_branches(model, values)).gaps(values)
+    try:
+        value, _, slope = replace(model, branches=nearest_branches(model, values)).gaps(values)
+    except InputError:
+        return np.inf
     return float(np.median(np.nan_to_num(np.abs(value / slope), nan=np.inf)))
 
 

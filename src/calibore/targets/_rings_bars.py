@@ -27,7 +27,9 @@ SLOPE_PRIOR = 0.01
 """Standard uncertainty of the light's slope [1/px]."""
 WIDTH_PRIOR = 0.5
 """Standard uncertainty of a bin's ink width relative to what was expected there."""
-LEAST_BLUR, BLUR_RANGE = 0.3, 3.0
+BLUR_STEP, CONTRAST_STEP = 0.3, 0.1
+"""Of the blur, and of the contrast, in one step."""
+LEAST_BLUR, BLUR_RANGE = 0.3, 5.0
 """px, the area of a pixel alone; factor by which the blur may differ from what was expected."""
 FAINTEST_LIGHT, LEAST_CONTRAST = 1e-4, 0.02
 LEAST_FREEDOM = 0.1
@@ -71,11 +73,11 @@ def fit_bars(strip: Strip, along: Array, start: Start, noise: Noise) -> Bars:
     fit = _Fit.begun(strip, along, start, noise)
     equations = fit.equations()
     for _ in range(STEPS):
-        moved = fit.advance(*equations.solved())
+        moved = fit.advance(*equations.solved(fit.longest))
         equations = fit.equations()
         if moved < SETTLED:
             break
-    equations.solved()
+    equations.solved(fit.longest)
     return fit.bars(equations)
 
 
@@ -97,6 +99,11 @@ class _Fit:
         shared = np.concatenate([[start.blur, start.contrast], np.zeros(along.shape[1])])
         return cls(strip, along, start, noise, own, shared)
 
+    @property
+    def longest(self) -> Array:
+        """Longest steps of blur [px] and contrast."""
+        return np.array([BLUR_STEP * self.shared[0], CONTRAST_STEP])
+
     def model(self) -> tuple[Array, list[Array]]:
         """Brightness (n,) of the pixels and its derivatives."""
         bins, slope = self.strip.bins, self.along @ self.shared[2:]
@@ -115,14 +122,14 @@ class _Fit:
         return equations
 
     def advance(self, step: Array, step_shared: Array) -> float:
-        """Take a step, not too long; the farthest [px] that a place moved."""
+        """Take a step, not too long; the farthest [px] that a place or, tenfold, the blur moved."""
         step[:, 0] = np.clip(step[:, 0], -0.5 * self.own[:, 0], self.own[:, 0])
         step[:, 1:] = np.clip(step[:, 1:], -LONGEST_STEP, LONGEST_STEP)
         self.own, self.shared = self.own + step, self.shared + step_shared
         blur = self.start.blur
         self.shared[0] = np.clip(self.shared[0], max(LEAST_BLUR, blur / BLUR_RANGE), BLUR_RANGE * blur)
         self.shared[1] = np.clip(self.shared[1], LEAST_CONTRAST, 1.0)
-        return float(np.abs(step[:, 1]).max())
+        return float(max(np.abs(step[:, 1]).max(), abs(step_shared[0]) / 10))
 
     def bars(self, equations: Equations) -> Bars:
         """The result; residuals are those that noise alone would leave without the fit."""

@@ -13,8 +13,6 @@ from calibore.targets._rings_strips import Strip
 
 Array = NDArray[Any]
 
-LONGEST_SHARED = 0.1
-"""px of blur, and fraction of contrast, in one step."""
 SINGULAR = 1e-12
 """Relative addition to the diagonal."""
 
@@ -58,14 +56,14 @@ class Equations:
         self.right[:, 2] += weight_width * width
         self.normal += SINGULAR * np.einsum("bii->bi", self.normal)[:, :, None] * np.eye(3)
 
-    def solved(self) -> tuple[Array, Array]:
-        """Steps of the bins (b, 3) and of the line (q,)."""
+    def solved(self, longest: Array) -> tuple[Array, Array]:
+        """Steps of the bins (b, 3) and of the line (q,), whose first parameters move by at most `longest`."""
         self.inverse = np.linalg.inv(self.normal)
         self.carried = self.inverse @ self.mixed
         self.reduced = self.common - np.tensordot(self.mixed, self.carried, axes=([0, 1], [0, 1]))
         pull = self.right_shared - np.tensordot(self.carried, self.right, axes=([0, 1], [0, 1]))
         shared = np.linalg.solve(self.reduced, pull)
-        shared[:2] = np.clip(shared[:2], -LONGEST_SHARED, LONGEST_SHARED)
+        shared[: longest.size] = np.clip(shared[: longest.size], -longest, longest)
         return np.einsum("bij,bj->bi", self.inverse, self.right) - self.carried @ shared, shared
 
     def leverage(self, slopes: list[Array], bins: Whole) -> Array:

@@ -20,6 +20,8 @@ LEAST_ROOM = 2.0
 """Blurs beyond the ink's edge, on both sides, that must be free of other lines."""
 MARGIN = 1.5
 """px of paper beside a line, to know its brightness."""
+LIKELY_BLUR = 1.5
+"""px, at most, to begin with; broad lines do not tell."""
 USUAL_CONTRAST = 0.85
 SATURATED_DEPTH = 0.7
 """Dips deeper than this fraction of the ink's contrast are as wide as the ink, shallower ones as wide as the blur."""
@@ -126,9 +128,8 @@ class Layout:
 
 def first_layout(dips: Dips, centre: Array, spokes: tuple[Spoke, ...], count: int) -> Layout:
     """The layout that the dips of `count` rings show."""
-    blur = float(np.median(dips.width[dips.ring > 0])) / FWHM
-    for ring in range(1, count + 1):
-        blur = min(blur, float(np.median(dips.width[dips.ring == ring])) / FWHM)
+    narrowest = min(float(np.median(dips.width[dips.ring == ring])) for ring in range(1, count + 1))
+    blur = min(narrowest / FWHM, LIKELY_BLUR)
     rings = tuple(_ring(dips, number, blur) for number in range(1, count + 1))
     widest = max(float(rings[0].width(dips.azimuths).max()), NARROWEST) * 1.15
     widths = tuple(np.array([widest]) for _ in spokes)
