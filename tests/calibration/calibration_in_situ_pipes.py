@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from calibore.calibration._in_situ_file import ProfileFile, ProfileTarget
-from calibore.calibration._in_situ_marks import Marks
-from calibore.calibration._in_situ_wall import WallGrid, WallReference
+from calibore.calibration._in_situ._file import ProfileFile, ProfileTarget
+from calibore.calibration._in_situ._marks import Marks
+from calibore.calibration._in_situ._wall import WallGrid, WallReference
 from calibore.calibration._in_words import Unit
 from calibore.lasers import Plane, Sheet
 from calibore.optics import Camera, Lens

@@ -3,7 +3,7 @@
 import numpy as np
 
 from calibore.calibration._in_words import Unit
-from calibore.calibration._probe_tables import ProbeTables, ProbeTarget
+from calibore.calibration._probe._tables import ProbeTables, ProbeTarget
 
 INCH = 0.0254
 SLOPE, INTERCEPT, ORIGIN = 5.2405 * INCH, 4.5706 * INCH, 7.07 * INCH

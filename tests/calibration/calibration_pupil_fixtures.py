@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from calibore.calibration._pupil_fit import U_LEAN, U_OFFSET, U_POSE, fit_pupil
-from calibore.calibration._pupil_model import PinModel, Sightings
+from calibore.calibration._pupil._fit import U_LEAN, U_OFFSET, U_POSE, fit_pupil
+from calibore.calibration._pupil._model import PinModel, Sightings
 
 INCH = 0.0254
 PUPIL = 1.237 * INCH

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from calibore.calibration._lens_models import CENTRE, LensModel
-from calibore.calibration._rings_model import Printed
-from calibore.calibration._rings_sight import Sight
-from calibore.calibration._rings_target import RingTarget
+from calibore.calibration._rings._model import Printed
+from calibore.calibration._rings._sight import Sight
+from calibore.calibration._rings._target import RingTarget
 from calibore.optics import LENS_LAWS, Camera
 from calibore.targets import RingMarks
 

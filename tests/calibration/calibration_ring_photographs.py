@@ -6,7 +6,7 @@ import numpy as np
 from calibration_ring_marks import LAWS
 
 from calibore.calibration._lens_models import CENTRE, LensModel
-from calibore.calibration._rings_target import RingTarget
+from calibore.calibration._rings._target import RingTarget
 from calibore.geometry import Pose
 from calibore.optics import LENS_LAWS
 from calibore.simulation import Sensor, photograph_rings

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._looks import Look
-from calibore.calibration._references import AHEAD, FlatTarget, RingGauge
+from calibore.calibration._rig._looks import Look
+from calibore.calibration._rig._references import AHEAD, FlatTarget, RingGauge
 from calibore.rigs import Rig
 
 Array = NDArray[np.float64]

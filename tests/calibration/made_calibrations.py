@@ -115,9 +115,9 @@ def board_calibration(seed=1, *, law="equidistant", fitted="equidistant", boards
 
 def rig_calibration(seed=1):
     """The board calibration's camera in a plane rig, whose light a target stood in: one covariance of both."""
-    from calibore.calibration._planning import plan
-    from calibore.calibration._planning_shots import Shot
-    from calibore.calibration._planning_targets import PlannedRings
+    from calibore.calibration._planning._plan import plan
+    from calibore.calibration._planning._shots import Shot
+    from calibore.calibration._planning._targets import PlannedRings
 
     lens = board_calibration(seed)
     rough = Covariance.independent({"laser.baseline": 5e-3, "laser.tilt_x": 0.02, "laser.tilt_y": 0.02}).joined(

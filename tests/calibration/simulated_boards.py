@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from calibore.calibration._boards_data import rotations
-from calibore.calibration._boards_pictures import BoardPictures, BoardTargetFile
+from calibore.calibration._boards._data import rotations
+from calibore.calibration._boards._pictures import BoardPictures, BoardTargetFile
 from calibore.calibration._calibration import InputFile
 from calibore.geometry import Pose
 from calibore.optics import LENS_LAWS, Camera, Lens

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from simulated_boards import SIZE, SQUARE, held_boards, law_camera, marks_of, pictures_of, places
 
-from calibore.calibration._boards import calibration_of
-from calibore.calibration._boards_pictures import BoardTargetFile
-from calibore.calibration._boards_sufficiency import distinct_poses
+from calibore.calibration._boards._calibrate import calibration_of
+from calibore.calibration._boards._pictures import BoardTargetFile
+from calibore.calibration._boards._sufficiency import distinct_poses
 from calibore.errors import InputError
 from calibore.geometry import Pose
 from calibore.optics import LENS_LAWS

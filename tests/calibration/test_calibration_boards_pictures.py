@@ -8,7 +8,7 @@ from PIL import Image
 from simulated_boards import CORNERS, SIZE, SQUARE, held_boards, places
 
 from calibore.calibration import calibrate, calibrate_boards, read_calibration, write_calibration
-from calibore.calibration._boards_pictures import read_board_pictures
+from calibore.calibration._boards._pictures import read_board_pictures
 from calibore.errors import InputError
 from calibore.geometry import Pose
 from calibore.simulation import Sensor, photograph_board, unknown_fisheye

@@ -7,12 +7,12 @@ import pytest
 from scipy.stats import chi2
 from simulated_boards import CORNERS, SIZE, SQUARE, held_boards, law_camera, marks_of, places
 
-from calibore.calibration._boards_bundle import Estimate, bundle, shared_covariance
-from calibore.calibration._boards_data import BoardData, rotation_vectors, rotations
-from calibore.calibration._boards_dot_shift import dot_shift
-from calibore.calibration._boards_fit import fit_boards
-from calibore.calibration._boards_models import HIGHEST
-from calibore.calibration._boards_start import first_estimates, poses_from_rays
+from calibore.calibration._boards._bundle import Estimate, bundle, shared_covariance
+from calibore.calibration._boards._data import BoardData, rotation_vectors, rotations
+from calibore.calibration._boards._dot_shift import dot_shift
+from calibore.calibration._boards._fit import fit_boards
+from calibore.calibration._boards._models import HIGHEST
+from calibore.calibration._boards._start import first_estimates, poses_from_rays
 from calibore.calibration._lens_models import LensModel
 from calibore.errors import InputError
 from calibore.optics import LENS_LAWS

@@ -18,8 +18,8 @@ from made_calibrations import (
 from scipy.stats import kstest
 
 from calibore.calibration import difference
-from calibore.calibration._difference_directions import turn_between
-from calibore.calibration._difference_test import Evidence, judged
+from calibore.calibration._difference._directions import turn_between
+from calibore.calibration._difference._test import Evidence, judged
 from calibore.errors import InputError
 from calibore.geometry import Pose
 from calibore.optics import Camera, Lens

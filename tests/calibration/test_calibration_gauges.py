@@ -5,12 +5,12 @@ import pytest
 from known_marks import flat_ahead_look, gauge_look
 
 from calibore.calibration import calibrate_gauges
-from calibore.calibration._gauges import fit_gauges
-from calibore.calibration._gauges_findings import radius_uncertainty
 from calibore.calibration._outlines import annulus
-from calibore.calibration._references import AHEAD, FlatTarget, RingGauge
-from calibore.calibration._rig_values import value_of, values_of
-from calibore.calibration._stops import without_wrong_stops
+from calibore.calibration._rig._gauges import fit_gauges
+from calibore.calibration._rig._gauges_findings import radius_uncertainty
+from calibore.calibration._rig._references import AHEAD, FlatTarget, RingGauge
+from calibore.calibration._rig._stops import without_wrong_stops
+from calibore.calibration._rig._values import value_of, values_of
 from calibore.errors import InputError
 from calibore.fitting import region_contains
 from calibore.geometry import Pose
@@ -73,7 +73,7 @@ def test_regions_hold_the_truth_as_often_as_they_say(true, free):
     held, z = 0, []
     for seed in range(2):
         rng = np.random.default_rng(seed)
-        found, choice = fit_gauges(designed(true, rng), looks_at_gauges(true, rng, marks=240))
+        found, choice = fit_gauges(designed(true, rng), looks_at_gauges(true, rng, marks=160))
         assert len(found.free) == free
         assert not choice.held
         truth = np.array([value_of(true, name) - value_of(found.model.rig, name) for name in found.free])
@@ -137,8 +137,8 @@ def test_flats_at_stand_offs_tell_a_cone_as_gauges_do():
 
 def test_a_gauge_that_is_not_what_it_says_is_named_with_its_amount():
     rng = np.random.default_rng(8)
-    sizes = (0.20, 0.22, 0.23, 0.24, 0.25, 0.26, 0.28)
-    looks = looks_at_gauges(PLANE, rng, sizes=sizes, wrong={3: 4e-4})
+    sizes = (0.20, 0.22, 0.24, 0.25, 0.26, 0.28)
+    looks = looks_at_gauges(PLANE, rng, sizes=sizes, wrong={3: 4e-4}, marks=40)
     found, _ = fit_gauges(designed(PLANE, rng), looks)
     found, wrong = without_wrong_stops(found, fewest=2)
     assert [one.stop for one in wrong] == [looks[3].name]
@@ -169,13 +169,13 @@ def photographed(folder, true, design, gauges, *, takes=1, more=""):
 def test_rendered_pictures_of_a_plane_in_gauges_give_it_back(tmp_path):
     true = Rig("perpendicular-plane", SMALL, (Laser(Plane(0.12, 0.01, -0.006), "red"),))
     design = moved(true, {"laser.baseline": 0.004, "laser.tilt_x": -0.01, "laser.tilt_y": 0.006})
-    gauges = [(0.16, (0.004, 0.002)), (0.2, (-0.012, 0.008)), (0.2, (0.015, -0.01)), (0.24, (0.006, -0.004))]
+    gauges = [(0.16, (0.004, 0.002)), (0.2, (-0.012, 0.008)), (0.24, (0.012, -0.006))]
     found = calibrate_gauges(photographed(tmp_path, true, design, gauges, takes=2))
     truth = values_of(true, found.values)
     for name, u in zip(found.covariance.names, found.covariance.u, strict=True):
         assert abs(found.values[name] - truth[name]) < 3.2 * u, name
     assert found.values["laser.baseline"] == pytest.approx(0.12, abs=2e-4)
-    assert len(found.files) == 8
+    assert len(found.files) == 6
     assert not any(file.refused for file in found.files)
     assert any("k of the lens is taken as exact" in warning for warning in found.warnings)
     assert any(sentence.startswith("Baseline: found 1") and "stated 124" in sentence for sentence in found.findings)

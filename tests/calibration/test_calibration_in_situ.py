@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from calibration_in_situ_pipes import INCH, dented_wall, drawn, plane_rig, side_rig, sightings, target
 
-from calibore.calibration._in_situ_change import change_of
-from calibore.calibration._in_situ_fit import candidates, fit_in_situ
-from calibore.calibration._in_situ_pose import aligned
-from calibore.calibration._in_situ_words import in_situ_findings
-from calibore.calibration._rig_fit import fit_rig
-from calibore.calibration._rig_values import value_of
+from calibore.calibration._in_situ._change import change_of
+from calibore.calibration._in_situ._fit import candidates, fit_in_situ
+from calibore.calibration._in_situ._pose import aligned
+from calibore.calibration._in_situ._words import in_situ_findings
+from calibore.calibration._rig._fit import fit_rig
+from calibore.calibration._rig._values import value_of
 from calibore.errors import InputError
 from calibore.rigs import moved
 from calibore.uncertainty import Covariance

@@ -7,11 +7,11 @@ import pytest
 from calibration_in_situ_pipes import INCH, dented_wall, plane_rig, sightings
 
 from calibore.calibration import calibrate_probe, calibrate_profile, recomputed_covariance, write_calibration
-from calibore.calibration._in_situ_file import ProfileFile, ProfileTarget, bends_of, read_profile_target, read_table
-from calibore.calibration._in_situ_pose import aligned
-from calibore.calibration._in_situ_wall import WallGrid, WallReference
+from calibore.calibration._in_situ._file import ProfileFile, ProfileTarget, bends_of, read_profile_target, read_table
+from calibore.calibration._in_situ._pose import aligned
+from calibore.calibration._in_situ._wall import WallGrid, WallReference
 from calibore.calibration._in_words import Unit
-from calibore.calibration._rig_fit import fit_rig
+from calibore.calibration._rig._fit import fit_rig
 from calibore.errors import InputError
 from calibore.profiling import profile_scan
 from calibore.rigs import Probe, moved, read_rig

@@ -18,7 +18,7 @@ from calibore.calibration import (
     wall_uncertainty,
 )
 from calibore.calibration._on_the_wall import wall_pixels
-from calibore.calibration._planning import without_pose
+from calibore.calibration._planning._plan import without_pose
 from calibore.errors import InputError
 from calibore.geometry import Pose
 from calibore.rigs import SideFacing, moved, triangulate

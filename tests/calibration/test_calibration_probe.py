@@ -8,8 +8,8 @@ from calibration_probe_tables import INCH, INTERCEPT, SLOPE, tables, write
 from scipy import stats
 
 from calibore.calibration import calibrate_probe, recomputed_covariance, write_calibration
-from calibore.calibration._probe import probe_of
-from calibore.calibration._probe_line import fit_line
+from calibore.calibration._probe._calibrate import probe_of
+from calibore.calibration._probe._line import fit_line
 from calibore.errors import InputError
 from calibore.rigs import read_probe
 

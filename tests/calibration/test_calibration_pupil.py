@@ -8,8 +8,8 @@ from calibration_pupil_fixtures import INCH, NOISE, PUPIL, SIZE, fitted, marks, 
 from PIL import Image
 
 from calibore.calibration import calibrate_pupil, recomputed_covariance, write_calibration
-from calibore.calibration._pupil_model import PinModel, camera_rotation
-from calibore.calibration._pupil_start import start_values
+from calibore.calibration._pupil._model import PinModel, camera_rotation
+from calibore.calibration._pupil._start import start_values
 from calibore.errors import InputError
 from calibore.units import parse_quantity
 

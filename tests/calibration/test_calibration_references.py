@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from known_marks import flat_looks, gauge_look
 
-from calibore.calibration._references import AHEAD, OUTWARDS, FlatTarget, RingGauge
-from calibore.calibration._rig_model import RigModel, nearest_branches
-from calibore.calibration._rig_values import value_of, values_of
+from calibore.calibration._rig._model import RigModel, nearest_branches
+from calibore.calibration._rig._references import AHEAD, OUTWARDS, FlatTarget, RingGauge
+from calibore.calibration._rig._values import value_of, values_of
 from calibore.errors import InputError
 from calibore.rigs import moved
 from calibore.simulation import random_rig

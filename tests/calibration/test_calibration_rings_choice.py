@@ -9,12 +9,12 @@ from calibration_ring_marks import LAWS, Noise, exact_marks, noisy
 
 from calibore.calibration._in_words import Unit
 from calibore.calibration._lens_models import LensModel
-from calibore.calibration._rings import evaluated
-from calibore.calibration._rings_model import Printed
-from calibore.calibration._rings_result import comparisons
-from calibore.calibration._rings_sight import Sight
-from calibore.calibration._rings_target import RingTarget
-from calibore.calibration._rings_words import check, findings, warnings
+from calibore.calibration._rings._calibrate import evaluated
+from calibore.calibration._rings._model import Printed
+from calibore.calibration._rings._result import comparisons
+from calibore.calibration._rings._sight import Sight
+from calibore.calibration._rings._target import RingTarget
+from calibore.calibration._rings._words import check, findings, warnings
 from calibore.errors import InputError
 from calibore.optics import LENS_LAWS
 

@@ -7,10 +7,10 @@ import pytest
 from calibration_ring_marks import exact_marks, random_case
 
 from calibore.calibration._lens_models import LENS_MODELS, LensModel
-from calibore.calibration._rings_model import Printed, RingModel
-from calibore.calibration._rings_sight import condensed
-from calibore.calibration._rings_start import start_values
-from calibore.calibration._rings_target import RingTarget
+from calibore.calibration._rings._model import Printed, RingModel
+from calibore.calibration._rings._sight import condensed
+from calibore.calibration._rings._start import start_values
+from calibore.calibration._rings._target import RingTarget
 from calibore.optics import Camera, Lens
 
 SPACING = 0.0254

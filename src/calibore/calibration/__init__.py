@@ -10,20 +10,19 @@
 `plan`          -> `Plan`: which picture of a target to take next; `read_planned_target`
 """
 
-from calibore.calibration._boards import calibrate_boards
+from calibore.calibration._boards._calibrate import calibrate_boards
 from calibore.calibration._calibration import Calibration, Comparison, InputFile, Observations
-from calibore.calibration._difference import Difference, difference
+from calibore.calibration._difference._difference import Difference, difference
 from calibore.calibration._dispatch import calibrate
 from calibore.calibration._evidence_covariance import recomputed_covariance
-from calibore.calibration._file import check_calibration_file, read_calibration, verify_inputs, write_calibration
-from calibore.calibration._file_units import unit_of_parameter
-from calibore.calibration._gauges import calibrate_gauges
+from calibore.calibration._file._file import check_calibration_file, read_calibration, verify_inputs, write_calibration
+from calibore.calibration._file._units import unit_of_parameter
 from calibore.calibration._halves import Halves, halves
-from calibore.calibration._in_situ import calibrate_profile
+from calibore.calibration._in_situ._calibrate import calibrate_profile
 from calibore.calibration._on_the_wall import WallMap, WallUncertainty, wall_map, wall_uncertainty
-from calibore.calibration._planning import Plan, Step, plan
-from calibore.calibration._planning_shots import Shot
-from calibore.calibration._planning_targets import (
+from calibore.calibration._planning._plan import Plan, Step, plan
+from calibore.calibration._planning._shots import Shot
+from calibore.calibration._planning._targets import (
     PlannedBoard,
     PlannedFlats,
     PlannedGauges,
@@ -31,11 +30,12 @@ from calibore.calibration._planning_targets import (
     PlannedTarget,
     read_planned_target,
 )
-from calibore.calibration._probe import calibrate_probe
+from calibore.calibration._probe._calibrate import calibrate_probe
 from calibore.calibration._projection import ProjectionUncertainty, projection_uncertainty
-from calibore.calibration._pupil import calibrate_pupil
-from calibore.calibration._range import calibrate_range
-from calibore.calibration._rings import calibrate_rings
+from calibore.calibration._pupil._calibrate import calibrate_pupil
+from calibore.calibration._rig._gauges import calibrate_gauges
+from calibore.calibration._rig._range import calibrate_range
+from calibore.calibration._rings._calibrate import calibrate_rings
 
 __all__ = [
     "Calibration",

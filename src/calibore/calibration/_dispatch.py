@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import ConfigDict
 
 from calibore.calibration._calibration import Calibration, InputFile
-from calibore.calibration._file import hash_of_file
+from calibore.calibration._file._file import hash_of_file
 from calibore.documents import Document, read_document
 from calibore.errors import InputError
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration, Observations
-from calibore.calibration._file import read_calibration
+from calibore.calibration._file._file import read_calibration
 from calibore.errors import InputError
 from calibore.fitting import least_squares
 from calibore.uncertainty import Covariance

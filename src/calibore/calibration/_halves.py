@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration, Observations
-from calibore.calibration._difference_sides import side_of
-from calibore.calibration._difference_test import Evidence, judged
+from calibore.calibration._difference._sides import side_of
+from calibore.calibration._difference._test import Evidence, judged
 from calibore.calibration._in_words import Unit
 from calibore.calibration._on_the_wall import root_mean_square, wall_clocks, wall_slopes
 from calibore.calibration._projection import image_grid, implied_turns, projection_slopes, turns_against

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._references import FlatTarget, Reference, RingGauge
+from calibore.calibration._rig._references import FlatTarget, Reference, RingGauge
 from calibore.errors import InputError
 from calibore.geometry import xy_of
 from calibore.lasers import Cone

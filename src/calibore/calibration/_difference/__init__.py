@@ -1,0 +1,1 @@
+"""Two calibrations compared: is this the same camera as last year."""

@@ -1,0 +1,1 @@
+"""The calibration FILE and its evidence beside it."""

@@ -1,0 +1,1 @@
+"""A rig against a profile of the same pipe, measured by other means."""

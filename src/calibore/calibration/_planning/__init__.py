@@ -1,0 +1,1 @@
+"""Which picture of a target to take next."""

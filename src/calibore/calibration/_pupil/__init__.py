@@ -1,0 +1,1 @@
+"""The entrance pupil, from pictures of two pins."""
