@@ -1,7 +1,7 @@
 """`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
 
-`python -m benchmarks coverage`, `ovality`, `every_rig` and `pictures` run the long accuracy studies instead (minutes
-each).
+`python -m benchmarks coverage`, `ovality`, `every_rig`, `pictures` and `calibration` run the long accuracy studies
+instead (minutes each).
 """
 
 import os
@@ -19,9 +19,9 @@ PACKAGES = ("calibore", "numpy", "opencv-python-headless", "uncertainties")
 PARTS = ("kernel", "triangulation", "end_to_end_one", "end_to_end_two", "startup")
 
 
-def part(name: str) -> list[str]:
+def part(name: str, *rest: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
-    from benchmarks import end_to_end, every_rig, kernel, startup, studies, timing, triangulation
+    from benchmarks import calibration, end_to_end, every_rig, kernel, startup, studies, timing, triangulation
 
     if name in ("kernel", "end_to_end_one"):
         timing.pin_to_one_core()
@@ -31,6 +31,7 @@ def part(name: str) -> list[str]:
         "end_to_end_two": lambda: end_to_end.report(2),
         "startup": startup.report,
         "triangulation": triangulation.report,
+        "calibration": lambda: calibration.report(*rest),
         "coverage": studies.coverage,
         "ovality": studies.ovality,
         "every_rig": every_rig.report,
@@ -42,7 +43,7 @@ def part(name: str) -> list[str]:
 def main() -> None:
     """Run every part, or the one named."""
     if len(sys.argv) > 1:
-        print("\n".join(part(sys.argv[1])))
+        print("\n".join(part(*sys.argv[1:])))
         return
     load = f"{os.getloadavg()[0]:.2f}" if hasattr(os, "getloadavg") else "unknown"
     machine = (

@@ -114,11 +114,17 @@ fn detect_ring<'py>(
 
 /// See `calibore.stripe._twin.line_numpy`.
 #[pyfunction]
-fn detect_line<'py>(py: Python<'py>, image: &Bound<'py, PyAny>, band: usize, estimator: u8) -> PyResult<(Arrays<'py>, NoiseNumbers, f64)> {
+fn detect_line<'py>(
+    py: Python<'py>,
+    image: &Bound<'py, PyAny>,
+    band: usize,
+    estimator: u8,
+    down: bool,
+) -> PyResult<(Arrays<'py>, NoiseNumbers, f64)> {
     let estimator = estimator_of(estimator)?;
-    let measured = match on_plane::<u8, _>(py, image, band, |plane| ring::measure_line(plane, estimator))? {
+    let measured = match on_plane::<u8, _>(py, image, band, |plane| ring::measure_line(plane, estimator, down))? {
         Some(measured) => measured,
-        None => on_plane::<u16, _>(py, image, band, |plane| ring::measure_line(plane, estimator))?.ok_or_else(not_an_image)?,
+        None => on_plane::<u16, _>(py, image, band, |plane| ring::measure_line(plane, estimator, down))?.ok_or_else(not_an_image)?,
     };
     let line = measured.map_err(PyValueError::new_err)?;
     let (noise, scale) = (numbers(&line.noise), line.scale);

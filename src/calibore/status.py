@@ -25,6 +25,9 @@ class Status(IntEnum):
     BEHIND = 9
     NO_IMAGE = 10
     EXTRAPOLATED = 11
+    STUCK = 12
+    OFF_TIP = 13
+    NO_READING = 14
 
     @property
     def has_value(self) -> bool:
@@ -44,6 +47,9 @@ MEANING: dict[Status, str] = {
     Status.BEHIND: "the meeting lies behind the camera",
     Status.NO_IMAGE: "no usable image for this station",
     Status.EXTRAPOLATED: "measured outside the region where the rig was calibrated",
+    Status.STUCK: "the probe's pin stuck where the wall falls back",
+    Status.OFF_TIP: "the wall is steeper or narrower than the probe's ball: its end did not touch it here",
+    Status.NO_READING: "no usable voltages of the probe",
 }
 
 _HAS_VALUE = np.array([status.has_value for status in Status])

@@ -83,7 +83,11 @@ def calibration(seed: int = 1, *, tied: bool = True, **changes) -> Calibration:
         degrees_of_freedom=41.5,
         noise=0.21,
         group_sigma=fit.group_sigma,
-        files=(InputFile("gauge 0.png", "a" * 64), InputFile('a "b"\\Größe\x7f.png', "b" * 64, "no line was found")),
+        files=(
+            InputFile("gauge 0.png", "a" * 64),
+            InputFile('a "b"\\Größe\x7f.png', "b" * 64, "no line was found"),
+            InputFile("gauge 1.png", "c" * 64, set_aside="it has room light"),
+        ),
         observations=observed,
         valid=valid,
         models=(

@@ -3,6 +3,8 @@
 import numpy as np
 
 from calibore.calibration._in_words import Unit
+from calibore.calibration._probe._calibrate import probe_of
+from calibore.calibration._probe._line import fit_line
 from calibore.calibration._probe._tables import ProbeTables, ProbeTarget
 
 INCH = 0.0254
@@ -33,6 +35,12 @@ def tables(rng, *, lengths=34, diameters=3, noise=1.5e-4, wrong=0.0, bend=0.0, d
     stops = np.arange(2 * diameters).reshape(diameters, 2)
     read = ratio + rng.normal(0, noise, lengths)
     return ProbeTables(said, read, length, stops, raw, diameter, Unit("in", INCH), ())
+
+
+def found_in(made):
+    """Probe, intercept and line that tables give."""
+    line = fit_line(made.ratio, made.length)
+    return (*probe_of(made, line), line)
 
 
 def write(folder, made, *, more=""):

@@ -13,7 +13,9 @@ SLIDES, TURNS = (0.6, 0.9, 1.2), (-6.5, 0.0, 6.5)
 SIZE = (1024, 768)
 
 
-def marks(rng, *, slides=SLIDES, turns=TURNS, rows=10, law="equidistant", distances=(5.0, 22.0), pupil=PUPIL):
+def marks(
+    rng, *, slides=SLIDES, turns=TURNS, rows=10, law="equidistant", distances=(5.0, 22.0), pupil=PUPIL, bias=BIAS
+):
     """Readings of the slides and marks of a fixture drawn as uncertain as it is taken to be."""
     read = np.array(slides) * INCH
     places = [(s, np.radians(t)) for s in range(read.size) for t in turns]
@@ -28,7 +30,7 @@ def marks(rng, *, slides=SLIDES, turns=TURNS, rows=10, law="equidistant", distan
     values = np.concatenate([[pupil, k], camera, [rng.normal(0, U_OFFSET)], *pins, slide, turn])
     seen = _places(places, rows)
     u, _ = model.predicted(values, seen)
-    off = rng.normal(0, NOISE, u.size) + rng.normal(0, BIAS, 2 * len(places))[2 * seen.picture + seen.near]
+    off = rng.normal(0, NOISE, u.size) + rng.normal(0, bias, 2 * len(places))[2 * seen.picture + seen.near]
     return read, with_columns(seen, u=u + off)
 
 

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
-from calibore.calibration._boards._data import rotations
+from calibore.calibration._boards._bundle import Estimate
+from calibore.calibration._boards._data import BoardData, rotations
 from calibore.calibration._boards._pictures import BoardPictures, BoardTargetFile
-from calibore.calibration._calibration import InputFile
+from calibore.calibration._boards._start import poses_from_rays
+from calibore.calibration._input_files import InputFile
+from calibore.calibration._lens_models import LensModel
 from calibore.geometry import Pose
 from calibore.optics import LENS_LAWS, Camera, Lens
 from calibore.targets import Board, BoardMarks
@@ -85,6 +88,16 @@ def marks_of(camera, poses, rng, *, noise=0.05, corners=CORNERS, square=SQUARE, 
         u, v = (part + noise * rng.standard_normal(part.size) for part in camera.project(pose.apply(points)))
         marks.append(BoardMarks(u, v, x, y, noise, 0.9))
     return marks
+
+
+def data_of(marks, **said):
+    return BoardData.of(marks, square=SQUARE, size=SIZE, **said)
+
+
+def truth_of(camera, data):
+    """The true camera as an estimate; poses from the rays, which are exact without noise."""
+    values = np.array([camera.lens.k, camera.aspect, *camera.principal_point])
+    return Estimate(LensModel(camera.lens.law), values, poses_from_rays(data, camera), 0 * data.pixel, SIZE)
 
 
 def pictures_of(marks, *, corners=CORNERS, square=SQUARE, size=SIZE, **said):

@@ -26,7 +26,7 @@ from calibore.optics import Camera, Lens
 from calibore.rigs import KnownCamera, ValidRegion, moved
 from calibore.uncertainty import Covariance
 
-PAIRS = 200
+PAIRS = 100
 UNLIKELY = 0.001
 """Kolmogorov-Smirnov: a uniform p fails one seed in a thousand; the seed is fixed."""
 RIGS = {"plane": known(plane_rig(), size=0.5), "cone": known(cone_rig(), size=0.1), "head": published_head()}
@@ -44,7 +44,7 @@ def test_a_calibration_does_not_differ_from_itself(rig):
 
 @pytest.fixture(scope="module", params=RIGS)
 def by_chance(request):
-    """Differences of 200 pairs of calibrations, drawn from one covariance."""
+    """Differences of 100 pairs of calibrations, drawn from one covariance."""
     rig, rng, radii = RIGS[request.param], np.random.default_rng(11), np.array([0.92, 1.0, 1.08]) * RADIUS
     rig = replace(rig, degrees_of_freedom=None)
     pairs = (drawn(rig, rng, 2) for _ in range(PAIRS))

@@ -305,5 +305,8 @@ def test_a_calibration_is_what_the_contract_says(out):
     assert {"parameters", "covariance", "degrees_of_freedom", "evidence", "kind", "created_by"} <= table.keys()
     assert (out.parent / table["evidence"] / "zarr.json").is_file()
     assert table["model"][0]["model"] == "sine-law"
+    assert table["file"][0].keys() == {"name", "sha256"}
     assert table["file"][1]["refused"] == "no line was found"
+    assert table["file"][2]["set_aside"] == "it has room light"
+    assert "refused" not in table["file"][2]
     assert isinstance(read_calibration(out), Calibration)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from calibration_rig_cases import CAMERA, COAXIAL, CONE, PLANE, designed, looks_at_gauges
 from known_marks import flat_ahead_look, gauge_look
 
 from calibore.calibration import calibrate_gauges
@@ -20,45 +21,6 @@ from calibore.rigs import Laser, Rig, moved, write_rig
 from calibore.simulation import PipeWall, Sensor, render_ring
 from calibore.simulation._files import write_png
 from calibore.uncertainty import Covariance
-
-CAMERA = Camera(1024, 768, Lens("equidistant", 420.0, 384.0), (515.0, 381.0))
-PLANE = Rig("perpendicular-plane", CAMERA, (Laser(Plane(0.12, 0.008, -0.005), "red"),))
-CONE = Rig("single-cone", CAMERA, (Laser(Cone.for_ring(0.05, 0.18, 0.12, clock=0.1), "red"),))
-COAXIAL = Rig("coaxial-cone", CAMERA, (Laser(Cone(0.0, 0.0, 0.7, offset=0.05), "red"),))
-CENTRES = ((0.008, 0.004), (-0.006, 0.01), (0.01, -0.008), (-0.004, -0.006))
-SIZES = (0.20, 0.23, 0.25, 0.28)
-U_GAUGE = 5e-6
-
-
-def looks_at_gauges(rig, rng, *, sizes=SIZES, wrong=None, marks=64):
-    """Gauges set up off the middle and inclined by chance, their radii wrong by chance."""
-    return [
-        gauge_look(
-            rig,
-            size,
-            rng,
-            name=f"gauge {1e3 * size:.0f} mm, {number}",
-            centre=CENTRES[number % 4],
-            slope=tuple(0.008 * rng.standard_normal(2)),
-            u=U_GAUGE,
-            u_tilt=0.008,
-            off=U_GAUGE * rng.standard_normal() + (wrong or {}).get(number, 0.0),
-            marks=marks,
-        )
-        for number, size in enumerate(sizes)
-    ]
-
-
-def designed(rig, rng):
-    """The rig as its file would describe it: not quite as it is."""
-    off = {"baseline": 0.001, "aim": 0.005, "half_angle": 0.005, "clock": 0.005, "offset": 0.0005}
-    changes = {
-        f"laser.{key}": u * rng.standard_normal() for key, u in off.items() if f"laser.{key}" in rig.parameter_names
-    }
-    if rig.configuration == "coaxial-cone":
-        changes = {name: change for name, change in changes.items() if name in ("laser.half_angle", "laser.offset")}
-    tilts = {name: -value_of(rig, name) for name in ("laser.tilt_x", "laser.tilt_y") if name in rig.parameter_names}
-    return moved(rig, changes | tilts)
 
 
 def away(found, true):
@@ -180,6 +142,7 @@ def test_rendered_pictures_of_a_plane_in_gauges_give_it_back(tmp_path):
     assert any("k of the lens is taken as exact" in warning for warning in found.warnings)
     assert any(sentence.startswith("Baseline: found 1") and "stated 124" in sentence for sentence in found.findings)
     assert found.valid.radius[0] < 0.08 < 0.12 < found.valid.radius[1]
+    assert found.valid.zenith[0] == 0.0 < found.valid.zenith[1]
 
 
 def test_rendered_pictures_of_a_cone_in_gauges_give_it_back(tmp_path):

@@ -4,22 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from calibration_probe_tables import INCH, INTERCEPT, SLOPE, tables, write
+from calibration_probe_tables import INCH, INTERCEPT, SLOPE, found_in, tables, write
 from scipy import stats
 
 from calibore.calibration import calibrate_probe, recomputed_covariance, write_calibration
-from calibore.calibration._probe._calibrate import probe_of
-from calibore.calibration._probe._line import fit_line
 from calibore.errors import InputError
 from calibore.rigs import read_probe
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated" / "tactile"
 needs_shared = pytest.mark.skipif(not SHARED.exists(), reason="the shared tactile scan is not beside the repository")
-
-
-def found_in(made):
-    line = fit_line(made.ratio, made.length)
-    return (*probe_of(made, line), line)
 
 
 @pytest.mark.parametrize(("lengths", "diameters", "wrong"), [(34, 3, 0.0), (34, 4, 0.02 * INCH), (12, 5, 0.0)])

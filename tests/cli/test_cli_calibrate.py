@@ -23,7 +23,7 @@ NAMES = ("laser.baseline", "laser.tilt_x", "camera.k")
 VALUES = (0.3, 0.01, 570.0)
 
 
-def found(*, refused: str = "", k: float = VALUES[2]) -> Calibration:
+def found(*, refused: str = "", set_aside: str = "", k: float = VALUES[2]) -> Calibration:
     """Of a plane rig, in gauges."""
     rng = np.random.default_rng(1)
     jacobian = rng.normal(size=(90, 3)) * [2e3, 800.0, 0.4]
@@ -55,7 +55,7 @@ def found(*, refused: str = "", k: float = VALUES[2]) -> Calibration:
         files=(
             InputFile("a.png", "0" * 64),
             InputFile("b.png", "1" * 64, refused),
-            InputFile("c.png", "2" * 64, refused),
+            InputFile("c.png", "2" * 64, refused, set_aside),
         ),
         observations=seen,
         valid=valid,
@@ -103,7 +103,7 @@ def gauges(monkeypatch):
             progress and progress(1, 1)
             return result
 
-        monkeypatch.setattr("calibore.calibration._gauges.calibrate_gauges", calibrate_gauges)
+        monkeypatch.setattr("calibore.calibration._rig._gauges.calibrate_gauges", calibrate_gauges)
 
     return finds
 
@@ -143,6 +143,17 @@ def test_refused_images_are_named_with_their_reason_and_the_exit_status_says_so(
     assert status == 3
     assert "Not used, 2 of 4 files:\n  b.png, c.png: no line was found\n" in said
     assert read_calibration(tmp_path / "rig.toml").files[1].refused == "no line was found"
+
+
+def test_images_set_aside_are_named_in_one_line_and_are_no_fault(target, call, gauges, tmp_path):
+    gauges(found(set_aside="it has room light"))
+    status, said, _ = call("rig", target(), "--out", tmp_path / "rig.toml")
+    assert status == 0
+    assert "\n\nSet aside: c.png: it has room light\n" in said
+    assert "Not used" not in said
+    assert read_calibration(tmp_path / "rig.toml").files[2].set_aside == "it has room light"
+    facts = json.loads(call("rig", target(), "--out", tmp_path / "rig.toml", "--json")[1])
+    assert [one["set_aside"] for one in facts["files"]] == ["", "", "it has room light", ""]
 
 
 def test_json_says_everything(target, call, gauges, tmp_path):
@@ -258,6 +269,14 @@ def test_the_next_pictures_are_planned(file, call, tmp_path):
     assert len(re.findall(r"^ +\d\. ", said, re.MULTILINE)) == 2
     before, after = (float(re.findall(pattern, said)[-1]) for pattern in (r"is ([\d.]+) mm now", r"([\d.]+) mm\n"))
     assert after <= before
+    assert re.search(r"^The best next picture of the target: (at|standing) ", said, re.MULTILINE)
+    status, said, _ = call("plan", file, tmp_path, "--count", "1", "--radius", "150 mm", "--out", tmp_path / "plan")
+    assert status == 0
+    assert said.splitlines()[-1] == f"Page: {tmp_path / 'plan' / 'plan.html'}"
+    assert (tmp_path / "plan" / "plan.html").is_file()
+    facts = json.loads(call("plan", file, tmp_path, "--json", "--out", tmp_path / "plan")[1])
+    assert facts["page"].endswith("plan.html")
+    assert facts["advice"].startswith("The best next picture")
 
 
 def test_a_radius_without_a_unit_is_wrong_usage(file, call):
@@ -265,6 +284,12 @@ def test_a_radius_without_a_unit_is_wrong_usage(file, call):
         status, _, remarks = call(*words)
         assert status == 2
         assert '"6" has no unit' in remarks
+
+
+def test_a_radius_that_no_wall_has_is_wrong_usage(file, call):
+    status, _, remarks = call("show", file, "--radius", "0 mm")
+    assert status == 2
+    assert 'must be positive, not "0 mm"' in remarks
 
 
 def test_numbers_show_two_digits_of_their_uncertainty_in_the_units_people_use():

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
-from calibore.calibration import PlannedFlats, difference, plan, wall_uncertainty
+from calibore.calibration import Comparison, PlannedFlats, difference, plan, wall_uncertainty
 from calibore.plotting import calibration_pictures, difference_pictures, plan_pictures, save_picture
 from calibore.plotting._calibration_parts import OUTSIDE
 
@@ -79,6 +79,40 @@ def test_no_label_is_cut_off(drawn, group):
                     assert page.x0 <= box.x0, (picture.name, text.get_text())
                     assert box.x1 <= page.x1, (picture.name, text.get_text())
                     assert page.y0 <= box.y0, (picture.name, text.get_text())
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_legends_of_models_are_inside_and_name_only_what_is_drawn(count):
+    one = Comparison("nothing moved", 3, 0.2, 1.0, 2.0, float("nan"))
+    models = tuple(replace(one, model=f"model {number}", bic=2.0 + number) for number in range(count))
+    figure = next(
+        picture.figure
+        for picture in calibration_pictures(replace(board_calibration(1), models=models))
+        if picture.name == "models"
+    )
+    figure.canvas.draw()
+    for legend in figure.legends:
+        box = legend.get_window_extent()
+        assert figure.bbox.y0 <= box.y0
+        assert box.y1 <= figure.bbox.y1
+    assert [text.get_text() for legend in figure.legends for text in legend.get_texts()] == [
+        "rms of residuals",
+        "AICc",
+        "BIC",
+    ]
+    assert "cross-validated" not in " ".join(_texts(figure))
+
+
+def test_arrows_of_a_difference_stay_inside_the_frame_and_bars_say_how_far_they_were_cut(drawn):
+    directions, _, changes = (one.figure for one in drawn["difference"])
+    axes = directions.axes[0]
+    arrows = axes.collections[0]
+    tips = np.stack([arrows.X + arrows.U / arrows.scale, arrows.Y + arrows.V / arrows.scale], axis=1)
+    low, high = np.sort([axes.get_xlim(), axes.get_ylim()], axis=1).T
+    assert (tips >= low).all()
+    assert (tips <= high).all()
+    for number, text in enumerate(changes.axes[0].texts):
+        assert float(text.get_text()) > 99, number
 
 
 def test_the_wall_shows_what_was_computed_with_and_without_correlations(drawn):

@@ -171,7 +171,8 @@ def test_the_summary_counts_them_as_measured_and_names_the_region(picture):
 def test_a_status_keeps_its_stored_number_for_ever():
     """Results of earlier versions hold them (tests/golden)."""
     stored = (
-        "ok resolved saturated no_peak multiple off_ring not_laser outside_lens grazing behind no_image extrapolated"
+        "ok resolved saturated no_peak multiple off_ring not_laser outside_lens grazing behind no_image extrapolated "
+        "stuck off_tip no_reading"
     )
     assert [status.name.lower() for status in Status] == stored.split()
     assert [int(status) for status in Status] == list(range(len(Status)))

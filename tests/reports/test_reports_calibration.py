@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from calibore.calibration import InputFile, difference
+from calibore.calibration import InputFile, PlannedBoard, PlannedFlats, difference, plan
 from calibore.errors import InputError, OutputError
-from calibore.reports import write_calibration_page, write_difference_page
+from calibore.plotting import plain_text
+from calibore.reports import write_calibration_page, write_difference_page, write_plan_page
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "calibration"))
-from made_calibrations import RADIUS, board_calibration, moved, published_head, rig_calibration
+from made_calibrations import INCH, RADIUS, board_calibration, known, moved, plane_rig, published_head, rig_calibration
 
 
 class _Outline(HTMLParser):
@@ -114,9 +115,45 @@ def test_the_page_of_a_difference_answers_and_names_what_changed(tmp_path):
     page = write_difference_page(found, tmp_path / "page", unit="in")
     assert page == tmp_path / "page" / "difference.html"
     text = _Outline(page.read_text(encoding="utf-8")).text
-    for words in ("This is not the same camera as before", "+2.58 %", "p = < 0.001", "6 in", "k (camera)", "3265.223"):
+    for words in ("This is not the same camera as before", "+2.58 %", "p < 0.001", "6 in", "k (camera)", "3265.223"):
         assert words in text
     plain = json.loads((page.parent / "difference.json").read_text(encoding="utf-8"))
     assert plain["changes"][0]["name"] == "camera.k"
     assert plain["wall"]["mean"][0] is None  # 0.6 nominal radii are outside the picture
     assert sorted(path.name for path in page.parent.iterdir()) == plain["files"]
+
+
+def test_the_page_of_a_plan_names_the_best_picture_and_ranks_the_others(tmp_path):
+    found = plan(published_head(), PlannedFlats(tuple(np.arange(4, 13) * 0.5 * INCH)), nominal_radius=RADIUS)
+    page = write_plan_page(found, tmp_path / "page", unit="in")
+    assert page == tmp_path / "page" / "plan.html"
+    outline = _Outline(page.read_text(encoding="utf-8"))
+    first = found.steps[0].shot.said("in")
+    assert f"The best next picture of the target: {first}. It brings u of the radius" in outline.text
+    assert f"1. {first} {plain_text(found.steps[0].u / INCH)} in" in outline.text
+    assert sum(tag == "img" for tag, _ in outline.tags) == 2
+    assert outline.text.count("leaning") == 0
+    rows = sum(tag == "tr" for tag, _ in outline.tags)
+    assert rows == 2 + len(found.steps) + len(found.ranking)
+    plain = json.loads((page.parent / "plan.json").read_text(encoding="utf-8"))
+    assert [one["u"] for one in plain["ranking"]] == sorted(one["u"] for one in plain["ranking"])
+    assert plain["steps"][0]["distance"] == pytest.approx(found.steps[0].shot.distance)
+    assert sorted(path.name for path in page.parent.iterdir()) == plain["files"]
+
+
+def test_a_plan_of_a_target_that_tells_nothing_more_says_so(tmp_path):
+    board, words = PlannedBoard(9, 7, 0.02), "More pictures of this target hardly help"
+    for size, told in ((1e-4, True), (1.0, False)):
+        found = plan(known(plane_rig(), size=size), board, nominal_radius=RADIUS, count=1)
+        assert (words in found.advice("in")) == told
+        if told:
+            assert words in _Outline(write_plan_page(found, tmp_path / "page").read_text(encoding="utf-8")).text
+            assert "(no less)" in found.advice()
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "said"),
+    [(7.9999e-5, 3, "0.0000800"), (620.0, 3, "620"), (1234.5, 3, "1230"), (-0.1, 2, "-0.10"), (1e-13, 3, "0")],
+)
+def test_numbers_are_written_without_exponents(value, digits, said):
+    assert plain_text(value, digits) == said

@@ -4,7 +4,7 @@ use super::fit::{Batch, Fit};
 use super::noise::{background_noise, pixel_noise, speckle, CONTRAST};
 use super::peak::{margin, Finder, Standing};
 use super::rays::{Ray, Rays};
-use super::refine::moved_place;
+use super::refine::{has_left, moved_place};
 use super::sampling::{Grey, Plane, Trace};
 use super::scan::{gate_of, Candidates};
 use super::scatter::neighbour_scatter;
@@ -23,6 +23,8 @@ const WIDEST_LINE: f64 = 12.0;
 const SMALLEST_WINDOW: f64 = 6.0;
 const LARGEST_WINDOW: f64 = 32.0;
 const FLOORS: [f64; 3] = [0.01, 0.07, 0.5];
+const LOST: f64 = 0.05;
+const RAISED: f64 = 0.03;
 /// Width and grain before they are learnt.
 const USUAL: f64 = 1.5;
 const USUAL_GAIN: f64 = 0.05;
@@ -83,28 +85,42 @@ fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settin
     }
     let mut heights: Vec<f64> = found.highest().flatten().map(|peak| peak.height).collect();
     let height = median(&mut heights);
-    let trials = FLOORS.map(|fraction| {
+    let with_floor = |fraction: f64| {
         let additive = settings.noise.additive.max((fraction * height) * (fraction * height));
         Settings { noise: Noise { additive, ..settings.noise.clone() }, ..settings.clone() }
-    });
-    let places = places_under(plane, rays, found, &trials);
-    let scatter = places.map(|place| neighbour_scatter(&place, settings.noise.width, rays.spacing));
-    let best = (0..trials.len()).reduce(|best, k| if scatter[k] < scatter[best] { k } else { best }).unwrap_or(0);
-    trials.into_iter().nth(best).unwrap_or(settings)
+    };
+    let trials = FLOORS.map(with_floor);
+    let scatter_of = |place: &[f64]| neighbour_scatter(place, settings.noise.width, rays.spacing);
+    let tried = places_under(plane, rays, found, &trials);
+    let (mut floors, mut scatter) = (FLOORS, tried.each_ref().map(|(place, _)| scatter_of(place)));
+    if tried[0].1 > LOST {
+        let [(place, lost)] = places_under(plane, rays, found, &[with_floor(RAISED)]);
+        (floors[0], scatter[0]) = (RAISED, if lost > LOST { f64::INFINITY } else { scatter_of(&place) });
+    }
+    let first = usize::from(scatter[0] == f64::INFINITY && floors[0] == RAISED);
+    let best = (first..floors.len()).reduce(|best, k| if scatter[k] < scatter[best] { k } else { best }).unwrap_or(0);
+    with_floor(floors[best])
 }
 
-/// Places of the highest peak near each ray's highest candidate under every one of the `trials`, which differ in additive noise only.
-fn places_under<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, trials: &[Settings; 3]) -> [Vec<f64>; 3] {
-    let mut places = [(); 3].map(|()| vec![f64::NAN; rays.rays.len()]);
+/// Places of the highest peak near each ray's highest candidate under every one of the `trials`, which differ in additive noise only; and the
+/// share of them that the step to the model's place has left.
+fn places_under<T: Grey, const N: usize>(
+    plane: &Plane<T>,
+    rays: &Rays,
+    found: &Candidates,
+    trials: &[Settings; N],
+) -> [(Vec<f64>, f64); N] {
+    let (mut places, mut lost) = ([(); N].map(|()| vec![f64::NAN; rays.rays.len()]), [0usize; N]);
     let (mut fits, mut batch) = (trials.each_ref().map(Fit::new), Batch::new());
     let settings = &trials[0];
     let (gate, margin, reach) = (gate_of(settings), margin(settings), 2 * settings.reach() as i64);
     let (finder, mut trace) = (Finder::new(settings), Trace::new(rays.samples));
     let mut finish = |batch: &mut Batch| {
-        for (fit, places) in fits.iter_mut().zip(&mut places) {
+        for ((fit, places), lost) in fits.iter_mut().zip(&mut places).zip(&mut lost) {
             let moved = fit.step(batch);
             for lane in 0..batch.filled {
                 places[batch.targets[lane]] = moved_place(&batch.peaks[lane], moved.0[lane]);
+                *lost += usize::from(has_left(moved.0[lane]));
             }
         }
         batch.filled = 0;
@@ -120,5 +136,10 @@ fn places_under<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, tria
         }
     }
     finish(&mut batch);
-    places
+    let mut lost = lost.into_iter();
+    places.map(|place| {
+        let seen = place.iter().filter(|place| place.is_finite()).count().max(1);
+        let share = lost.next().unwrap_or(0) as f64 / seen as f64;
+        (place, share)
+    })
 }

@@ -82,6 +82,12 @@ impl Rays {
         let rays = (0..width).map(|column| Ray { start: [column as f64, 0.0], direction: [0.0, 1.0] }).collect();
         Rays { rays, samples: height, closed: false, spacing: 1.0, stride: 1 }
     }
+
+    /// One ray along every pixel row.
+    pub fn rows(width: usize, height: usize) -> Rays {
+        let rays = (0..height).map(|row| Ray { start: [0.0, row as f64], direction: [1.0, 0.0] }).collect();
+        Rays { rays, samples: width, closed: false, spacing: 1.0, stride: 1 }
+    }
 }
 
 /// Where a ring is looked for, and which of its rays count for centring.

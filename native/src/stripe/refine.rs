@@ -70,5 +70,10 @@ impl<'a> Refiner<'a> {
 
 /// The place of a peak after its Gauss-Newton step; the zero crossing where that has left the peak or there is none.
 pub fn moved_place(peak: &Standing, moved: f64) -> f64 {
-    peak.position + if moved.abs() <= LONGEST_STEP { moved } else { 0.0 }
+    peak.position + if has_left(moved) { 0.0 } else { moved }
+}
+
+/// Whether a Gauss-Newton step has left the peak, or there is none.
+pub fn has_left(moved: f64) -> bool {
+    !(moved.abs() <= LONGEST_STEP)
 }

@@ -76,9 +76,9 @@ fn approach<T: Grey>(plane: &Plane<T>, ring: &mut Annulus, estimator: Estimator)
     }
 }
 
-/// The line that crosses the picture from left to right.
-pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator) -> Result<Line, &'static str> {
-    let rays = Rays::columns(plane.width, plane.height);
+/// The line that crosses the picture from left to right, or runs `down` it.
+pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator, down: bool) -> Result<Line, &'static str> {
+    let rays = if down { Rays::rows(plane.width, plane.height) } else { Rays::columns(plane.width, plane.height) };
     let settings = first_settings(plane, &rays, estimator).ok_or(OUTSIDE)?;
     let found = scan(plane, &rays, &settings.plain(), |_| (0, rays.samples));
     let settings = learn_noise(plane, &rays, &found, settings);

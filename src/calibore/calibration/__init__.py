@@ -11,7 +11,7 @@
 """
 
 from calibore.calibration._boards._calibrate import calibrate_boards
-from calibore.calibration._calibration import Calibration, Comparison, InputFile, Observations
+from calibore.calibration._calibration import Calibration, Comparison, Observations
 from calibore.calibration._difference._difference import Difference, difference
 from calibore.calibration._dispatch import calibrate
 from calibore.calibration._evidence_covariance import recomputed_covariance
@@ -19,6 +19,7 @@ from calibore.calibration._file._file import check_calibration_file, read_calibr
 from calibore.calibration._file._units import unit_of_parameter
 from calibore.calibration._halves import Halves, halves
 from calibore.calibration._in_situ._calibrate import calibrate_profile
+from calibore.calibration._input_files import InputFile
 from calibore.calibration._on_the_wall import WallMap, WallUncertainty, wall_map, wall_uncertainty
 from calibore.calibration._planning._plan import Plan, Step, plan
 from calibore.calibration._planning._shots import Shot

@@ -7,21 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore.calibration._input_files import InputFile
 from calibore.errors import InputError
 from calibore.optics import Camera
 from calibore.rigs import Rig, ValidRegion
 from calibore.uncertainty import Covariance, Quantity
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class InputFile:
-    """A file that was looked at: `name`, its `sha256`, and why it was not used, "" where it was."""
-
-    name: str
-    sha256: str
-    refused: str = ""
 
 
 @dataclass(frozen=True)

@@ -8,25 +8,25 @@ from typing import Any
 
 from pydantic import ConfigDict
 
-from calibore.calibration._calibration import Calibration, InputFile
-from calibore.calibration._file._file import hash_of_file
+from calibore.calibration._calibration import Calibration
+from calibore.calibration._input_files import input_file
 from calibore.documents import Document, read_document
 from calibore.errors import InputError
 
 Progress = Callable[[int, int], None]
 TARGET = "target.toml"
-BOARD = ("lens", "_boards", "calibrate_boards")
+BOARD = ("lens", "_boards._calibrate", "calibrate_boards")
 KINDS: dict[str, tuple[str, str, str]] = {
-    "concentric-rings": ("lens", "_rings", "calibrate_rings"),
+    "concentric-rings": ("lens", "_rings._calibrate", "calibrate_rings"),
     "chessboard": BOARD,
     "charuco": BOARD,
     "circle-grid": BOARD,
     "asymmetric-circle-grid": BOARD,
-    "range": ("rig", "_range", "calibrate_range"),
-    "ring-gauge": ("rig", "_gauges", "calibrate_gauges"),
-    "two-pin": ("pupil", "_pupil", "calibrate_pupil"),
-    "probe": ("probe", "_probe", "calibrate_probe"),
-    "profile": ("profile", "_in_situ", "calibrate_profile"),
+    "range": ("rig", "_rig._range", "calibrate_range"),
+    "ring-gauge": ("rig", "_rig._gauges", "calibrate_gauges"),
+    "two-pin": ("pupil", "_pupil._calibrate", "calibrate_pupil"),
+    "probe": ("probe", "_probe._calibrate", "calibrate_probe"),
+    "profile": ("profile", "_in_situ._calibrate", "calibrate_profile"),
 }
 """By kind of target: the word after `calibore calibrate`, module and function, imported when they are needed."""
 
@@ -44,7 +44,7 @@ def calibrate(verb: str, path: Path | str, *, progress: Progress | None = None) 
     found: Calibration = calibrated(path, progress=progress)
     if any(file.name == path.name for file in found.files):
         return found
-    return replace(found, files=(*found.files, InputFile(path.name, hash_of_file(path))))
+    return replace(found, files=(*found.files, input_file(path)))
 
 
 def target_of(path: Path | str) -> tuple[Path, str]:

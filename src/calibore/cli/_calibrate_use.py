@@ -1,5 +1,6 @@
 """`calibore calibrate show | diff | plan`: what a calibration means, whether it still holds, which picture is next."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -8,6 +9,7 @@ import typer
 from calibore.cli._calibrate_words import METRES, aligned, check_unit, plain, result_lines, significant
 from calibore.cli._failure import wrong_usage
 from calibore.cli._profile import as_json
+from calibore.errors import InputError
 
 UnitName = Annotated[str, typer.Option("--unit", help="Unit of printed lengths: mm or in.")]
 Json = Annotated[bool, typer.Option("--json", help="Print everything as JSON.")]
@@ -80,6 +82,7 @@ def plan(
     target: Annotated[Path, typer.Argument(help="target.toml of the target at hand, or its folder.")],
     count: Annotated[int, typer.Option(min=1, help="How many pictures.")] = 3,
     radius: Radius = "6 in",
+    out: Page = None,
     unit: UnitName = "mm",
     json: Json = False,
 ) -> None:
@@ -91,23 +94,40 @@ def plan(
     from calibore.rigs import read_rig
 
     found = planned(read_rig(rig), read_planned_target(target), nominal_radius=nominal, count=count)
+    page = {}
+    if out is not None:
+        from calibore.reports import write_plan_page
+
+        page = {"page": str(write_plan_page(found, out, unit=unit))}
     if json:
         steps = [{"picture": step.shot.said(unit), "u_m": step.u} for step in found.steps]
-        typer.echo(as_json({"nominal_radius_m": nominal, "before_u_m": found.before, "steps": steps}))
+        said = {"nominal_radius_m": nominal, "before_u_m": found.before, "steps": steps, "advice": found.advice(unit)}
+        typer.echo(as_json(said | page))
         return
-    before, size = significant(found.before / METRES[unit]), METRES[unit]
-    typer.echo(f"On a wall of {nominal / size:.4g} {unit} u of the radius is {before} {unit} now.")
+    for line in _plan_lines(found, unit):
+        typer.echo(line)
+    if page:
+        typer.echo(f"Page: {page['page']}")
+
+
+def _plan_lines(found: Any, unit: str) -> Iterator[str]:
+    size = METRES[unit]
+    before = significant(found.before / size)
+    yield f"On a wall of {found.nominal_radius / size:.4g} {unit} u of the radius is {before} {unit} now."
     steps = enumerate(found.steps, start=1)
     rows = [(f"{n}.", one.shot.said(unit), f"{significant(one.u / size)} {unit}") for n, one in steps]
-    for line in aligned([("", "photograph the target", "then u is"), *rows], left=2):
-        typer.echo(line)
+    yield from aligned([("", "photograph the target", "then u is"), *rows], left=2)
+    yield found.advice(unit)
 
 
 def _radius(text: str) -> float:
     from calibore.units import parse_quantity
 
     with wrong_usage():
-        return parse_quantity(text, "length")
+        radius = parse_quantity(text, "length")
+        if not radius > 0:
+            raise InputError(f'The nominal radius must be positive, not "{text}"; write e.g. "150 mm".')
+        return radius
 
 
 def _plain_difference(found: Any) -> dict[str, Any]:

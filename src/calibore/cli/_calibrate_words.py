@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 METRES = {"mm": 1e-3, "in": 0.0254}
 DEGREE = math.pi / 180
 NAMED = 6
-"""Refused files that are named for one reason; --json names all."""
+"""Files that are named for one reason; --json names all."""
 
 
 def check_unit(unit: str) -> None:
@@ -118,7 +118,7 @@ def aligned(rows: Iterable[Sequence[str]], *, left: int = 1) -> Iterator[str]:
 
 
 def result_lines(calibration: "Calibration", length: str) -> Iterator[str]:
-    """What a calibration found: findings first, then the numbers, then what was refused."""
+    """What a calibration found: findings first, then the numbers, then files not used."""
     yield from calibration.findings
     yield from ("", f"Parameters of this {calibration.kind} calibration, with standard uncertainty u:")
     yield from aligned([("", "value", "u", ""), *parameter_rows(calibration, length)])
@@ -128,13 +128,27 @@ def result_lines(calibration: "Calibration", length: str) -> Iterator[str]:
         yield f"  valid: {calibration.valid.said(length)}"
     if calibration.models:
         yield from ("", "Models compared:", *aligned(model_rows(calibration.models, length)))
-    refused = [file for file in calibration.files if file.refused]
+    yield from _not_used(calibration)
+
+
+def _not_used(calibration: "Calibration") -> Iterator[str]:
+    """Files refused, each with its reason, then in a line per reason those that were merely not needed."""
+    refused = {file.name: file.refused for file in calibration.files if file.refused}
+    aside = {file.name: file.set_aside for file in calibration.files if file.set_aside}
     if refused:
         yield from ("", f"Not used, {len(refused)} of {len(calibration.files)} files:")
-        for reason in dict.fromkeys(file.refused for file in refused):
-            names = [file.name for file in refused if file.refused == reason]
-            more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-            yield f"  {', '.join(names[:NAMED])}{more}: {reason}"
+        yield from (f"  {names}: {reason}" for reason, names in _by_reason(refused))
+    if aside:
+        yield ""
+        yield from (f"Set aside: {names}: {reason}" for reason, names in _by_reason(aside))
+
+
+def _by_reason(reasons: dict[str, str]) -> Iterator[tuple[str, str]]:
+    """Every reason and the names of the files it holds for."""
+    for reason in dict.fromkeys(reasons.values()):
+        names = [name for name, one in reasons.items() if one == reason]
+        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+        yield reason, f"{', '.join(names[:NAMED])}{more}"
 
 
 def plain(calibration: "Calibration", out: Path) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from calibore.cli._failure import PARTLY_REFUSED, wrong_usage
+from calibore.cli._probe import probe_made_from
 
 if TYPE_CHECKING:
     from calibore.profiling import Progress
@@ -42,10 +43,13 @@ def profile(
 
     with wrong_usage():
         finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
-    with progress_bar("Profiling", quiet=json) as progress:
-        summary = profile_scan(scan, out, estimator=estimator, workers=workers, progress=progress, finisher=finish)
+    with probe_made_from(scan) as made:
+        options: dict[str, Any] = {"finisher": made.put_beside(finish), "probe": made.probe} if made else {}
+        with progress_bar("Profiling", quiet=json) as progress:
+            options = {"finisher": finish, "workers": workers, "progress": progress} | options
+            summary = profile_scan(scan, out, estimator=estimator, **options)
     tell(summary, out, unit=unit, json=json)
-    if summary["counts"]["refused_images"]:
+    if summary["counts"].get("refused_images") or summary["counts"].get("refused_readings"):
         raise typer.Exit(PARTLY_REFUSED)
 
 
@@ -82,8 +86,9 @@ def brief(summary: dict[str, Any], unit: str) -> Iterator[str]:
     from calibore.units import parse_quantity
 
     counts, scale, digits = summary["counts"], parse_quantity(f"1 {unit}", "length"), DIGITS.get(unit, 3)
+    source = _counted(counts["images"], "image") if "images" in counts else _counted(counts["readings"], "reading")
     yield (
-        f"{_counted(counts['stations'], 'station')} from {_counted(counts['images'], 'image')}, "
+        f"{_counted(counts['stations'], 'station')} from {source}, "
         f"{100 * summary['fraction_measured']:.1f} % of all positions measured."
     )
     mean, u_mean = summary["mean_diameter_m"] / scale, summary["u_mean_diameter_m"] / scale

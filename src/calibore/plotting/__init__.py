@@ -15,6 +15,7 @@ gives it, its ring quantities, and the nominal radius [m]. Files are the caller'
 `calibration_pictures`, `difference_pictures`, `plan_pictures`   what a calibration means, how two differ, what to
                                      photograph next
 `known_rig`, `nominal_radius_of`, `shown_radii`, `image_lattice`   where those pictures look
+`length_unit`, `plain_text`          the reader's unit; numbers without exponents
 `save_picture`, `save_vector`        a figure as PNG, as SVG
 `worst_stations`, `governing_ovality`, `clock_text`   what pictures and reports must say alike
 """
@@ -25,7 +26,7 @@ from calibore.plotting._calibration_parts import image_lattice, known_rig, nomin
 from calibore.plotting._design import DesignPicture, design_pictures, save_vector
 from calibore.plotting._design_build import limit_text, parameter_words
 from calibore.plotting._figures import COVERAGE_FACTOR, save_picture
-from calibore.plotting._lengths import LengthUnit, axial_unit, length_unit
+from calibore.plotting._lengths import LengthUnit, axial_unit, length_unit, plain_text
 from calibore.plotting._line import detected_line
 from calibore.plotting._maps import deviation_map, uncertainty_map
 from calibore.plotting._optimise import design_chart
@@ -63,6 +64,7 @@ __all__ = [
     "nominal_radius_of",
     "ovality_along",
     "parameter_words",
+    "plain_text",
     "plan_pictures",
     "published_number",
     "published_picture",

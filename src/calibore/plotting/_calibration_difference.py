@@ -20,7 +20,7 @@ from calibore.plotting._figures import (
     new_figure,
     style_axes,
 )
-from calibore.plotting._lengths import length_unit
+from calibore.plotting._lengths import length_unit, plain_text
 
 LONGEST = 0.06
 """Of the image's width: the longest arrow."""
@@ -28,6 +28,10 @@ VISIBLE = 0.02
 """Of the band."""
 LEAST = 1e-6
 """px; smaller differences are rounding."""
+MOST_TIMES = 1e6
+"""Arrows longer than that show nothing that could matter."""
+FARTHEST = 99.0
+"""Standard uncertainties beyond which bars end."""
 SIGNIFICANT = 2.0
 """Standard uncertainties beyond which a change is drawn as one."""
 
@@ -39,8 +43,8 @@ def direction_difference_chart(found: Difference) -> Figure:
     large = max(float(size.max()), LEAST)
     turn = float(np.degrees(np.linalg.norm(along.turn)))
     notes = [
-        f"{along.rms:.2g} px rms, {along.expected:.2g} px expected of two calibrations of one camera; a turn of"
-        f" {turn:.2g} deg is taken out",
+        f"{plain_text(along.rms, 2)} px rms, {plain_text(along.expected, 2)} px expected of two calibrations of one"
+        f" camera; a turn of {plain_text(turn, 2)} deg is taken out",
         "Colour: the difference over the standard uncertainty there; above 2 to 3 it is more than chance",
     ]
     figure = new_figure(6.5, title="Second camera minus first, over the image", notes=notes)
@@ -54,11 +58,11 @@ def direction_difference_chart(found: Difference) -> Figure:
         along.u, along.v, *along.difference.T, ratio, angles="xy", scale_units="xy", scale=scale, cmap="viridis_r",
         norm=Normalize(0, 4), width=0.0024,
     )  # fmt: skip
-    axes.quiverkey(drawn, 0.9, 1.03, large, f"{large:.2g} px", labelpos="W", fontproperties={"size": SMALL_SIZE})
-    bar = figure.colorbar(drawn, ax=axes, extend="max", **side_bar())
-    bar.set_label(
-        f"difference over its uncertainty; arrows {_long(1 / scale)} times as long", size=SMALL_SIZE, color=INK
+    axes.quiverkey(
+        drawn, 0.9, 1.03, large, f"{plain_text(large, 2)} px", labelpos="W", fontproperties={"size": SMALL_SIZE}
     )
+    bar = figure.colorbar(drawn, ax=axes, extend="max", **side_bar())
+    bar.set_label(f"difference over its uncertainty; {_long(1 / scale)}", size=SMALL_SIZE, color=INK)
     bar.ax.tick_params(labelsize=SMALL_SIZE)
     return figure
 
@@ -73,8 +77,8 @@ def wall_difference_chart(found: Difference, *, unit: str = "mm") -> Figure | No
     where = f"At R = {found.nominal_radius / scale.metres:.4g} {unit}"
     notes = [
         "The same pictures measured with the second calibration, less with the first; ring centres fitted in both",
-        f"{where}: the mean radius differs by {mean[at]:+.2g} {unit}; 95 % of unchanged rigs stay within"
-        f" {band[at]:.2g} {unit}",
+        f"{where}: the mean radius differs by {plain_text(mean[at], 2, sign=True)} {unit}; 95 % of unchanged rigs stay"
+        f" within {plain_text(band[at], 2)} {unit}",
     ]
     figure = new_figure(4.4, title="Second rig minus first, on the wall", notes=notes)
     axes = figure.subplots()
@@ -106,7 +110,7 @@ def changes_chart(found: Difference) -> Figure | None:
         return None
     names = [parameter_words(one.name) for one in found.changes]
     rows = np.arange(len(names))
-    sigmas = np.array([np.clip(one.sigmas, -99, 99) for one in found.changes])
+    sigmas = np.array([np.clip(one.sigmas, -FARTHEST, FARTHEST) for one in found.changes])
     notes = [
         "Left: each parameter by itself, whatever the others did. Right: how much of the whole difference it explains",
         "if it is the only one that changed; correlated parameters explain the same",
@@ -128,16 +132,22 @@ def changes_chart(found: Difference) -> Figure | None:
     right.set_xlim(0, 118)
     reach = max(3.0, float(np.abs(sigmas).max(initial=0.0)) * 1.1)
     left.set_xlim(-reach, reach)
+    for row, one in zip(rows, found.changes, strict=True):
+        if abs(one.sigmas) > FARTHEST:
+            left.text(-0.03 * reach * np.sign(one.sigmas), row, plain_text(one.sigmas, 2, sign=True),
+                      ha="left" if one.sigmas < 0 else "right", va="center", size=SMALL_SIZE, color=INK)  # fmt: skip
     return figure
 
 
 def _frame(axes: Axes, u: np.ndarray, v: np.ndarray) -> None:
     style_axes(axes, x_label="u [px]", y_label="v [px]", grid=False)
-    margin = 0.05 * (float(np.ptp(u)) or 1.0)
+    margin = (LONGEST + 0.02) * (float(np.ptp(u)) or 1.0)
     axes.set_xlim(u.min() - margin, u.max() + margin)
     axes.set_ylim(v.max() + margin, v.min() - margin)
     axes.set_aspect("equal")
 
 
 def _long(times: float) -> str:
-    return f"{times:.0f}" if times < 1e4 else f"{times:.0e}"
+    if times > MOST_TIMES:
+        return "there is none but rounding"
+    return f"arrows {plain_text(times, 2)} times as long"

@@ -44,7 +44,8 @@ def correlation_chart(covariance: Covariance) -> Figure | None:
         _strongest(matrix, names),
     ]
     figure = new_figure(1.9 + 0.42 * max(n, 4), title="Which parameters are known only together", notes=notes)
-    axes = figure.subplots()
+    axes, beside = figure.subplots(1, 2, width_ratios=[1, max(0.01, 0.8 - 0.06 * n)])
+    beside.set_axis_off()
     colours, norm = mpl.colormaps[SIGNED_COLOURS], Normalize(-1, 1)
     axes.imshow(matrix, cmap=colours, norm=norm, aspect="equal")
     axes.set_xticks(range(n), names, rotation=40, ha="right", rotation_mode="anchor", size=SMALL_SIZE)
@@ -66,17 +67,19 @@ def model_chart(calibration: Calibration) -> Figure | None:
     if len(models) < 2:
         return None
     unit = models[0].unit
+    rmse, outside = np.array([[one.rmse, one.cross_validated] for one in models]).T
+    checked = bool(np.isfinite(outside).any())
+    error = "cross-validated is what counts, the error of data left out" if checked else "the error of the fit"
     notes = [
-        "Left: cross-validated is what counts, the error of data left out. Right: 0 is the best by AICc or BIC, and 10 "
-        "means",
-        "practically no support. In brackets: how many parameters the model has",
+        f"Left: {error}. In brackets: how many parameters the model has",
+        "Right: 0 is the best by AICc or BIC, and 10 means practically no support",
     ]
     figure = new_figure(1.9 + 0.33 * len(models), title="Which model describes the data", notes=notes)
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=[1.2, 1])
     rows = np.arange(len(models))
-    rmse, outside = np.array([[one.rmse, one.cross_validated] for one in models]).T
     left.plot(rmse, rows - ASIDE, "o", color=LOWER_COLOUR, markersize=6, label="rms of residuals")
-    left.plot(outside, rows + ASIDE, "D", color=UPPER_COLOUR, markersize=5, label="cross-validated")
+    if checked:
+        left.plot(outside, rows + ASIDE, "D", color=UPPER_COLOUR, markersize=5, label="cross-validated")
     for values, aside, marker, colour, name in (
         (np.array([one.aicc for one in models]), -ASIDE, "o", LOWER_COLOUR, "AICc"),
         (np.array([one.bic for one in models]), ASIDE, "D", UPPER_COLOUR, "BIC"),
@@ -89,15 +92,13 @@ def model_chart(calibration: Calibration) -> Figure | None:
     if np.nanmax(rmse) > SPREAD * np.nanmin(rmse):
         log_axis(left.xaxis, rmse)
     else:
-        left.set_xlim(0, 1.1 * np.nanmax(outside))
+        left.set_xlim(0, 1.1 * np.nanmax(np.append(rmse, outside)))
     right.set_xscale("symlog", linthresh=10)
     right.set_xlim(-1, 2 * max(10.0, np.nanmax([one.bic for one in models]) - np.nanmin([one.bic for one in models])))
     right.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    for axes in (left, right):
-        axes.legend(
-            fontsize=SMALL_SIZE, frameon=False, loc="upper left", bbox_to_anchor=(-0.05, -0.62 / len(models) - 0.1),
-            ncols=2, labelcolor=FAINT_INK,
-        )  # fmt: skip
+    for axes, side in ((left, "left"), (right, "right")):
+        place = {"loc": f"outside lower {side}", "fontsize": SMALL_SIZE, "frameon": False, "labelcolor": FAINT_INK}
+        figure.legend(*axes.get_legend_handles_labels(), ncols=2, **place)
     return figure
 
 

@@ -17,7 +17,7 @@ from calibore.plotting._figures import (
     new_figure,
     style_axes,
 )
-from calibore.plotting._lengths import length_unit
+from calibore.plotting._lengths import length_unit, plain_text
 
 FIRST = 8
 """Of the ranking that are drawn."""
@@ -30,7 +30,7 @@ def plan_chart(plan: Plan, *, unit: str = "mm") -> Figure:
     names = ["now", *(f"{n}. {step.shot.said(unit)}" for n, step in enumerate(plan.steps, start=1))]
     notes = [
         f"U = {k:g} u of the radius, from the calibration alone; each picture is the best that can follow those before",
-        f"At R = {plan.nominal_radius / scale.metres:.4g} {unit} from {u[0]:.2g} to {u[-1]:.2g} {unit}",
+        f"At R = {plan.nominal_radius / scale.metres:.4g} {unit} from {plain_text(u[0])} to {plain_text(u[-1])} {unit}",
     ]
     figure = new_figure(4.7 + 0.3 * len(names), title="What to photograph next", notes=notes)
     steps, curves = figure.subfigures(2, 1, height_ratios=[0.7 + 0.3 * len(names), 3.2], squeeze=False)[:, 0]
@@ -39,7 +39,7 @@ def plan_chart(plan: Plan, *, unit: str = "mm") -> Figure:
     colours = [UPPER_COLOUR, *[LOWER_COLOUR] * len(plan.steps)]
     upper.barh(rows, u, color=colours, alpha=0.8, height=0.62)
     for row, value in zip(rows, u, strict=True):
-        upper.text(value + 0.012 * u.max(), row, f"{value:.3g} {unit}", va="center", size=SMALL_SIZE, color=INK)
+        upper.text(value + 0.012 * u.max(), row, f"{plain_text(value)} {unit}", va="center", size=SMALL_SIZE, color=INK)
     upper.set_yticks(rows, names, size=TEXT_SIZE)
     upper.invert_yaxis()
     style_axes(upper, x_label=f"U of R at the nominal radius [{unit}]", y_label="", grid=False)

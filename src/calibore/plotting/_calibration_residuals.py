@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from calibore.calibration import Calibration, Observations
@@ -139,6 +140,7 @@ def _histogram(axes: Axes, found: Residuals) -> None:
     density = np.exp(-0.5 * (x / _sigma(found)) ** 2) / (_sigma(found) * np.sqrt(2 * np.pi))
     axes.plot(x, density * found.value.size * (edges[1] - edges[0]), color=MEAN_COLOUR, label="normal, of that noise")
     style_axes(axes, x_label=f"measured minus predicted [{found.unit}]", y_label="residuals")
+    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10], symmetric=True))
     _legend_below(axes)
 
 

@@ -36,7 +36,7 @@ from calibore.plotting._figures import (
     new_figure,
     style_axes,
 )
-from calibore.plotting._lengths import length_unit
+from calibore.plotting._lengths import length_unit, plain_text
 from calibore.rigs import Rig, ValidRegion
 from calibore.uncertainty import Covariance
 
@@ -77,7 +77,8 @@ def wall_chart(rig: Rig, valid: ValidRegion | None, *, nominal_radius: float, un
     true, alone = (COVERAGE_FACTOR * a / scale.metres for a in (found.mean, found.mean_uncorrelated))
     notes = [
         f"U = {COVERAGE_FACTOR:g} u, shared by all points of a scan; root of the mean variance round the clock",
-        f"At R = {nominal_radius / scale.metres:.4g} {unit}: {true[at]:.2g} {unit}; {_times(alone[at] / true[at])}",
+        f"At R = {nominal_radius / scale.metres:.4g} {unit}: {plain_text(true[at], 2)} {unit}; "
+        f"{_times(alone[at] / true[at])}",
     ]
     figure = new_figure(4.4, title="Uncertainty on the wall, from the calibration", notes=notes)
     axes = figure.subplots()
@@ -157,8 +158,8 @@ def _times(ratio: float) -> str:
     if abs(ratio - 1) < HARDLY:
         return "correlations hardly matter here"
     if ratio >= 1:
-        return f"without correlations it would seem {ratio:.2g} times as large"
-    return f"without correlations it would seem {1 / ratio:.2g} times too small"
+        return f"without correlations it would seem {plain_text(ratio, 2)} times as large"
+    return f"without correlations it would seem {plain_text(1 / ratio, 2)} times too small"
 
 
 def _legend(figure: Figure, handles: Sequence[Artist | None], *, columns: int = 2) -> None:

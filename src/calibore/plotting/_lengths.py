@@ -1,6 +1,7 @@
 """Units of length on pictures: metres come in, the reader's unit goes out."""
 
 from dataclasses import dataclass
+from math import floor, isfinite, log10
 
 from calibore.errors import InputError
 
@@ -21,6 +22,8 @@ UNITS = {unit.symbol: unit for unit in (LengthUnit("mm", 1e-3), LengthUnit("in",
 LONG_UNITS = {"mm": LengthUnit("m", 1.0), "in": LengthUnit("ft", 0.3048)}
 LONG_SPAN = 5.0
 """Metres along the pipe from which on axes read in m (or ft)."""
+ROUNDING = 1e-9
+"""Values that are no more are what is left of rounding."""
 
 
 def length_unit(symbol: str) -> LengthUnit:
@@ -41,3 +44,12 @@ def checked_radius(nominal_radius: float) -> float:
     if not 0 < nominal_radius < float("inf"):
         raise InputError(f"The nominal radius must be positive, got {nominal_radius} m; give it in metres.")
     return float(nominal_radius)
+
+
+def plain_text(value: float, digits: int = 3, *, sign: bool = False) -> str:
+    """`value` with so many significant digits and without an exponent; 0 where it is rounding."""
+    if abs(value) < ROUNDING:
+        return "0"
+    decimals = max(0, digits - 1 - floor(log10(abs(value)))) if isfinite(value) else 0
+    rounded = round(value, digits - 1 - floor(log10(abs(value)))) if isfinite(value) else value
+    return f"{rounded:{'+' if sign else ''}.{decimals}f}"

@@ -47,15 +47,56 @@ def clock_grid(positions: int = POSITIONS) -> Array:
     return np.asarray(np.arange(positions) * (2 * np.pi / positions), dtype=np.float64)
 
 
+@dataclass(frozen=True)
+class Places:
+    """Where n rays fall on a regular closed grid of `count` positions, `step` apart: the nearest one, `home` (n,), and
+    how far they are from it, `offset` (n,); `turn` (n,) and `by_parameters` (n, p): what a pixel along the ray and the
+    rig's parameters change of that.
+    """
+
+    home: NDArray[np.intp]
+    offset: Array
+    turn: Array
+    by_parameters: Array
+    step: float
+    count: int
+
+
+@dataclass(frozen=True)
+class Averages:
+    """Weighted means at the positions of a grid, n of them; NaN where nothing was measured, as in `Ring`."""
+
+    radius: Array
+    u: Array
+    modes: Array
+    status: NDArray[np.uint8]
+    correlation: Array
+    _table: "_Table"
+    _weight: Array
+
+    def mean(self, values: Array) -> Array:
+        """(n,) the same mean of another value (rays,) of the rays."""
+        return np.where(np.isfinite(self.radius), self._table.mean(self._weight, values), np.nan)
+
+
 def grid_ring(take: TakePoints, covariance: Covariance, *, stripe: float | None, positions: int = POSITIONS) -> Ring:
     """`take` on the clock grid. `stripe` [px]: stated standard uncertainty of a line position, if not the observed."""
     step = 2 * np.pi / positions
     home = np.rint(take.clock / step).astype(np.intp) % positions
     offset = np.mod(take.clock - home * step + np.pi, 2 * np.pi) - np.pi
-    table = _Table.of(home, has_value(take.status), positions)
+    places = Places(home, offset, take.turn, take.points.clock_sensitivities.parameters, step, positions)
+    at = average(take, places, covariance, stripe=stripe)
+    axial = at.mean(take.points.axial)
+    return Ring(clock_grid(positions), at.radius, axial, at.u, at.modes, at.status, at.correlation)
+
+
+def average(take: TakePoints, places: Places, covariance: Covariance, *, stripe: float | None) -> Averages:
+    """The radii of `take` at the positions of a grid, moved there along the wall's slope."""
+    home, offset = places.home, places.offset
+    table = _Table.of(home, has_value(take.status), places.count)
     radius, offsets = table.take(take.points.radius), table.take(offset)
-    slope = _slopes(radius, offsets, step)
-    along = take.along - slope[home] * take.turn
+    slope = local_slopes(radius, offsets, places.step)
+    along = take.along - slope[home] * places.turn
     spread = np.abs(along) * take.enlargement
     sigma = table.take(spread * take.u_position)
     level = radius - slope[:, None] * offsets
@@ -65,15 +106,12 @@ def grid_ring(take: TakePoints, covariance: Covariance, *, stripe: float | None,
         u = np.nansum(weight * table.take(spread), axis=1) * stripe
     found = weight.sum(axis=1) > 0
     gone = np.where(found, 0.0, np.nan)
-    by_radius, by_clock = take.points.radius_sensitivities.parameters, take.points.clock_sensitivities.parameters
-    moved = by_radius - slope[home][:, None] * by_clock
+    moved = take.points.radius_sensitivities.parameters - slope[home][:, None] * places.by_parameters
     sensitivities = np.stack([table.mean(weight, column) for column in moved.T], axis=1)
     modes = propagate(sensitivities, covariance, names=take.points.parameter_names).modes
     mean = np.nansum(weight * level, axis=1) + gone
-    axial = table.mean(weight, take.points.axial) + gone
-    return Ring(
-        clock_grid(positions), mean, axial, u + gone, modes + gone, _status(take, home, offset, found), correlation
-    )
+    status = _status(take, home, offset, found)
+    return Averages(mean, u + gone, modes + gone, status, correlation, table, weight)
 
 
 @dataclass(frozen=True)
@@ -101,8 +139,10 @@ class _Table:
         return np.sum(weight * np.where(weight > 0, values[self.ray], 0.0), axis=1)
 
 
-def _slopes(radius: Array, offsets: Array, step: float) -> Array:
-    """Local slope (n,) [m/rad] of the wall: median of the differences of neighbouring steps."""
+def local_slopes(radius: Array, offsets: Array, step: float) -> Array:
+    """Local slope (n,) of the wall on a closed grid, from `radius` and `offsets` (n, k): median of the differences of
+    neighbouring steps.
+    """
     count = np.sum(np.isfinite(radius), axis=1)
     mean = np.where(count > 0, np.nansum(radius, axis=1) / np.maximum(count, 1), np.nan)
     place = np.nansum(offsets, axis=1) / np.maximum(count, 1)

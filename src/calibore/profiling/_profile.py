@@ -1,21 +1,20 @@
 """The main job: a scan folder in, a measured pipe out."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
-
-import numpy as np
-from numpy.typing import NDArray
 
 from calibore.errors import InputError
 from calibore.images import ImageSource, StationImages
 from calibore.lasers import Beam
 from calibore.profiling._job import Job
 from calibore.profiling._lasers import check_told_apart
+from calibore.profiling._measured import Example, Measured, Measurement, Progress
 from calibore.profiling._pipeline import in_order
 from calibore.profiling._placement import Placement, Placer, open_source
+from calibore.profiling._side import side_measurement
 from calibore.profiling._station import (
     StationLines,
     StationRefusedError,
@@ -24,15 +23,10 @@ from calibore.profiling._station import (
     find_lines,
 )
 from calibore.profiling._summary import Tally, summarise
-from calibore.rigs import FORWARD, Rig, read_rig
+from calibore.profiling._tactile import tactile_measurement
+from calibore.rigs import FORWARD, Probe, Rig, read_rig
 from calibore.scans import ResultWriter, ScanSpec, read_scan
-from calibore.stripe import Stripe, estimator_named
-
-
-class Progress(Protocol):
-    """Called after every station with the number done and how many are expected (None where unknown)."""
-
-    def __call__(self, done: int, total: int | None, /) -> None: ...
+from calibore.stripe import estimator_named
 
 
 class Finisher(Protocol):
@@ -50,9 +44,9 @@ class Sealed:
 
     folder: Path
     spec: ScanSpec
-    rig: Rig
+    rig: Rig | None
     summary: dict[str, Any]
-    example: tuple[NDArray[np.generic], Stripe] | None
+    example: Example | None
 
 
 @dataclass
@@ -137,27 +131,49 @@ def profile_scan(
     workers: int | None = None,
     progress: Progress | None = None,
     finisher: Finisher | None = None,
+    probe: Probe | Path | str | None = None,
 ) -> dict[str, Any]:
     """Measure the scan folder `scan`, write the result folder `out` (formats.md, section 4), return its summary.
 
+    `probe`, or its file, is for tactile scans, where it is not the one that scan.toml names.
     `summary["skipped"]` names the images that could not be used. Raises InputError where nothing can be measured,
     OutputError where the result cannot be written; `out` then is as it was.
     """
     spec = read_scan(Path(scan))
-    job, source, place = prepare(spec, estimator=estimator)
-    tally = Tally()
-    example: tuple[NDArray[np.generic], Stripe] | None = None
+    touching = {"probe": probe} if spec.kind == "tactile" else {}
+    measure = MEASUREMENTS[spec.kind](
+        spec, estimator=estimator, workers=workers or os.cpu_count() or 1, progress=progress, **touching
+    )
     with ResultWriter(out, spec) as writer:
-        for result in measure_scan(job, source, place, workers=workers or os.cpu_count() or 1, tally=tally):
+        measured = measure(writer)
+        folder = writer.seal()
+        if finisher:
+            finisher(Sealed(folder, spec, measured.rig, measured.summary, measured.example))
+        writer.finish(measured.summary)
+    return measured.summary
+
+
+def forward_measurement(spec: ScanSpec, *, estimator: str, workers: int, progress: Progress | None) -> Measurement:
+    """The measurement of a forward-looking scan, everything checked that can be before its first image is read."""
+    job, source, place = prepare(spec, estimator=estimator)
+
+    def measure(writer: ResultWriter) -> Measured:
+        tally, example = Tally(), None
+        for result in measure_scan(job, source, place, workers=workers, tally=tally):
             writer.add(result.profile, result.points, result.row)
             example = example or (result.first_image(), result.takes[0].stripe)
             if progress:
                 progress(tally.stations, source.expected_stations)
         if tally.stations == 0:
             raise InputError(tally.nothing_left(spec.folder))
-        folder = writer.seal()
-        summary = summarise(spec, job, tally)
-        if finisher:
-            finisher(Sealed(folder, spec, job.rig, summary, example))
-        writer.finish(summary)
-    return summary
+        return Measured(summarise(spec, job, tally), job.rig, example)
+
+    return measure
+
+
+MEASUREMENTS: dict[str, Callable[..., Measurement]] = {
+    "forward-looking": forward_measurement,
+    "side-facing": side_measurement,
+    "tactile": tactile_measurement,
+}
+"""By kind of scan; called with the scan and, by name, estimator, workers and progress (tactile: and probe)."""

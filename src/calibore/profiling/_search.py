@@ -78,12 +78,7 @@ def _distances(rig: Rig, radius: float, centre: tuple[float, float], laser: int)
 
 def find_line(image: NDArray[np.generic], rig: Rig, search: Search, *, channel: str, estimator: str) -> Stripe:
     """The line in one image of the rig's camera; raises ImageError where there is none."""
-    height, width = image.shape[:2]
-    if (width, height) != (rig.camera.width, rig.camera.height):
-        raise ImageError(
-            f"it is {width} x {height} px but the rig's camera has {rig.camera.width} x {rig.camera.height} px; "
-            "use the rig file of the camera that took it"
-        )
+    check_size(image, rig)
     try:
         return detect_ring(
             image, search.centre, inner=search.inner, outer=search.outer, channel=channel, estimator=estimator
@@ -91,12 +86,22 @@ def find_line(image: NDArray[np.generic], rig: Rig, search: Search, *, channel: 
     except ImageError as error:
         why = str(error).rstrip(".")
         raise ImageError(
-            f"{why[:1].lower()}{why[1:]} ({_exposure(image, channel)}, {search}); check exposure, laser.channel and "
+            f"{why[:1].lower()}{why[1:]} ({exposure(image, channel)}, {search}); check exposure, laser.channel and "
             "pipe.nominal_radius"
         ) from error
 
 
-def _exposure(image: NDArray[np.generic], channel: str) -> str:
+def check_size(image: NDArray[np.generic], rig: Rig) -> None:
+    """Raise ImageError where `image` was not taken by the rig's camera."""
+    height, width = image.shape[:2]
+    if (width, height) != (rig.camera.width, rig.camera.height):
+        raise ImageError(
+            f"it is {width} x {height} px but the rig's camera has {rig.camera.width} x {rig.camera.height} px; "
+            "use the rig file of the camera that took it"
+        )
+
+
+def exposure(image: NDArray[np.generic], channel: str) -> str:
     """What somebody who looks for a line in vain wants to know first: "red values 0 to 12 of 255"."""
     colours = ("red", "green", "blue")
     seen = image[:, :, colours.index(channel)] if image.ndim == 3 and channel in colours else image

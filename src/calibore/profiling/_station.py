@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import ImageError
-from calibore.geometry import clock_of
+from calibore.geometry import Pose, clock_of
 from calibore.images import ImageFileError, Pixels, StationImages
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._fusion import fuse_lasers
@@ -110,11 +110,12 @@ def find_lines(images: StationImages, job: Job) -> StationLines:
                 stripe = find_line(picture, job.rig, look.search, channel=look.channel, estimator=job.estimator)
                 lines.append(Line(number, look.laser, stripe))
         except ImageError as error:
-            refused.append(_refusal(images.name(number), error))
+            refused.append(refusal_of(images.name(number), error))
     return StationLines(images, tuple(lines), tuple(refused), unlit)
 
 
-def _refusal(name: str, error: ImageError) -> RefusedImage:
+def refusal_of(name: str, error: ImageError) -> RefusedImage:
+    """The image called `name`, which `error` says not to be usable."""
     reason = error.reason if isinstance(error, ImageFileError) else str(error)
     return RefusedImage(name, reason.rstrip("."))
 
@@ -134,15 +135,15 @@ def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> Sta
             takes.append(place_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius))
             numbers.append(number)
         except ImageError as error:
-            refused.append(_refusal(images.name(number), error))
+            refused.append(refusal_of(images.name(number), error))
     if not takes:
         raise StationRefusedError(refused)
     ring, shared = _one_ring(takes, job)
     shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)
     quantities = ring_quantities(shape, nominal_radius=job.nominal_radius, roll=placement.roll)
     return StationResult(
-        _profile(images.station, placement, ring, quantities),
-        _points(takes, numbers, placement, job.covariance),
+        ring_profile(images.station, placement, ring, quantities),
+        wall_points(takes, numbers, placement.pipe_from_rig, placement.roll, covariance=job.covariance),
         ring_row(quantities, takes=len(set(numbers))),
         quantities,
         shared,
@@ -167,7 +168,8 @@ def _one_ring(takes: list[TakePoints], job: Job) -> tuple[Ring, float]:
     return fuse_lasers([ring for ring, _ in combined]), float(np.mean(shared)) if shared else float("nan")
 
 
-def _profile(station: int, placement: Placement, ring: Ring, quantities: RingQuantities) -> RingProfile:
+def ring_profile(station: int, placement: Placement, ring: Ring, quantities: RingQuantities) -> RingProfile:
+    """A ring in the form in which it is stored."""
     return RingProfile(
         station=station,
         axial=placement.axial,
@@ -187,15 +189,18 @@ def _profile(station: int, placement: Placement, ring: Ring, quantities: RingQua
     )
 
 
-def _points(takes: list[TakePoints], numbers: list[int], placement: Placement, covariance: Covariance) -> RingPoints:
-    """Every ray of every take, in the pipe frame; rays without a point are kept with the status that says why."""
-    pose = placement.pipe_from_rig
+def wall_points(
+    takes: list[TakePoints], numbers: list[int], pose: Pose, roll: float, *, covariance: Covariance
+) -> RingPoints:
+    """Every ray of the takes with these `numbers`, in the pipe frame; rays without a point are kept with the status that
+    says why. `pose`: pipe_from_rig, rolled by `roll` [rad].
+    """
     columns: dict[str, list[Array]] = {name.name: [] for name in fields(RingPoints)}
     for number, take in zip(numbers, takes, strict=True):
         valued = np.where(np.isfinite(take.u_position), 0.0, np.nan)
         wall = pose.apply(take.points.points)
         sensitivities = take.points.radius_sensitivities.parameters
-        turned = np.mod(take.clock + placement.roll, 2 * np.pi)
+        turned = np.mod(take.clock + roll, 2 * np.pi)
         common = propagate(sensitivities, covariance, names=take.points.parameter_names).u
         values = {
             "x": wall[:, 0],

@@ -1,16 +1,17 @@
 """What a finished run says of itself: counts, worst stations, noise, warnings."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from platform import python_version
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from calibore import __version__
 from calibore.images import Refusal, StationImages
 from calibore.lasers import Cone
+from calibore.metrics import RingQuantities
 from calibore.profiling._job import Job
 from calibore.profiling._missing import (
     counted,
@@ -22,7 +23,7 @@ from calibore.profiling._missing import (
 )
 from calibore.profiling._rig_table import describe_rig
 from calibore.profiling._station import RefusedImage, StationResult
-from calibore.scans import ScanSpec
+from calibore.scans import RingProfile, ScanSpec
 from calibore.status import MEANING, Status
 
 WORST = 10
@@ -31,6 +32,21 @@ LISTED = 1000
 """Refused images listed in the summary; a survey may lose more than that to one cause."""
 LOW_FRACTION = 0.5
 COMPARED = ("diameter_mean_m", "ovality_f1216_max_percent", "ovality_f1216_min_percent", "deflection_percent")
+
+
+class ImagesResult(Protocol):
+    """What the images of one stop gave; names as in `StationResult`."""
+
+    @property
+    def images(self) -> int: ...
+    @property
+    def unlit(self) -> tuple[int, ...]: ...
+    @property
+    def refused(self) -> tuple[RefusedImage, ...]: ...
+    @property
+    def scale(self) -> float: ...
+    @property
+    def take_correlation(self) -> float: ...
 
 
 @dataclass
@@ -48,7 +64,7 @@ class Tally:
     statuses: np.ndarray = field(default_factory=lambda: np.zeros(max(Status) + 1, dtype=np.int64))
     worst: list[dict[str, Any]] = field(default_factory=list)
     thin: list[int] = field(default_factory=list)
-    _scales: float = 0.0
+    _scales: list[float] = field(default_factory=lambda: [0.0, 0.0])
     _shared: list[float] = field(default_factory=lambda: [0.0, 0.0])
     _diameters: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     _takes: list[tuple[int, int]] = field(default_factory=list)
@@ -65,29 +81,39 @@ class Tally:
             self._takes.append((images.station, len(images.takes)))
 
     def add(self, result: StationResult) -> None:
-        self.stations += 1
+        self.add_images(result)
+        self.add_ring(result.profile, result.quantities, result.row)
+
+    def add_images(self, result: "ImagesResult") -> None:
+        """What became of the images of one stop."""
         self.images += result.images
         for take in result.unlit:
             self.unlit[take] = self.unlit.get(take, 0) + 1
         self.refuse(result.refused)
-        self.statuses += np.bincount(result.profile.status, minlength=self.statuses.size)
-        for flag in result.quantities.flags:
-            self.flags[flag] = self.flags.get(flag, 0) + 1
-        self._scales += result.scale
+        self._scales = [self._scales[0] + result.scale, self._scales[1] + 1]
         if np.isfinite(result.take_correlation):
             self._shared = [self._shared[0] + result.take_correlation, self._shared[1] + 1]
-        diameter = result.quantities.diameter_mean
-        if np.isfinite(diameter.value):
+
+    def add_ring(
+        self, profile: RingProfile, quantities: RingQuantities, row: Mapping[str, Any], *, expected: float = 1.0
+    ) -> None:
+        """One row of the profile; `expected`: the share of its positions at which somebody looked."""
+        self.stations += 1
+        self.statuses += np.bincount(profile.status, minlength=self.statuses.size)
+        for flag in quantities.flags:
+            self.flags[flag] = self.flags.get(flag, 0) + 1
+        diameter = quantities.diameter_mean
+        if diameter.u < diameter.value:  # a ring of few points may tell nothing, and says so
             count, total, total_u = self._diameters
             self._diameters = [count + 1, total + diameter.value, total_u + diameter.u]
-        if result.quantities.fraction_measured < LOW_FRACTION:
-            self.thin.append(result.profile.station)
-        self._rank(result)
+        if quantities.fraction_measured < LOW_FRACTION * expected:
+            self.thin.append(profile.station)
+        self._rank(profile, row)
 
-    def _rank(self, result: StationResult) -> None:
-        row = {"station": result.profile.station, "axial_m": result.profile.axial}
-        row |= {name: result.row[name] for key in COMPARED for name in (key, f"u_{key}")}
-        self.worst = sorted([*self.worst, row], key=_badness, reverse=True)[:WORST]
+    def _rank(self, profile: RingProfile, row: Mapping[str, Any]) -> None:
+        entry = {"station": profile.station, "axial_m": profile.axial}
+        entry |= {name: row[name] for key in COMPARED for name in (key, f"u_{key}")}
+        self.worst = sorted([*self.worst, entry], key=_badness, reverse=True)[:WORST]
 
     def refuse(self, images: Sequence[RefusedImage]) -> None:
         """Count images that could not be used, and name the first of them."""
@@ -124,7 +150,7 @@ class Tally:
 
     @property
     def scale(self) -> float:
-        return self._scales / max(self.stations, 1)
+        return self._scales[0] / max(self._scales[1], 1)
 
     @property
     def take_correlation(self) -> float | None:

@@ -5,6 +5,7 @@ is seen in their differences: two takes whose difference scatters with s^2 times
 correlation 1 - s^2.
 """
 
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -22,11 +23,34 @@ DISAGREE = 6.0
 """Takes that differ by more standard uncertainties than this disagree: half their distance becomes uncertainty."""
 
 
+@dataclass(frozen=True)
+class Mixture:
+    """Takes made one, n positions: `radius`, independent `u`, `status` (n,); `shared`: correlation of the takes."""
+
+    radius: Array
+    u: Array
+    status: NDArray[np.uint8]
+    shared: float
+    _weight: Array
+
+    def mean(self, values: list[Array]) -> Array:
+        """(n,) or (m, n) the weighted mean of what each take says."""
+        table = np.stack(values)
+        weight = self._weight if table.ndim == 2 else self._weight[:, None, :]
+        sums = np.sum(np.where(weight, table, 0.0) * weight, axis=0)
+        return np.where(np.isfinite(self.radius), sums, np.nan)
+
+
 def take_correlation(rings: list[Ring]) -> float:
     """Correlation of the independent parts of any two of the `rings`, from their differences; 1 where too few."""
+    return _correlation(np.stack([r.radius for r in rings]), np.stack([r.u for r in rings]))
+
+
+def _correlation(radius: Array, u: Array) -> float:
+    """The same of takes with `radius` and independent `u` (t, n)."""
     ratios = []
-    for a, b in combinations(rings, 2):
-        z = np.abs(a.radius - b.radius) / np.hypot(a.u, b.u)
+    for a, b in combinations(range(len(radius)), 2):
+        z = np.abs(radius[a] - radius[b]) / np.hypot(u[a], u[b])
         z = z[np.isfinite(z)]
         if z.size >= FEWEST:
             ratios.append((np.median(z) / NORMAL_HALF) ** 2)
@@ -37,35 +61,33 @@ def combine_takes(rings: list[Ring]) -> tuple[Ring, float]:
     """One ring out of the takes of a station, weighted by their uncertainties, and their correlation."""
     if len(rings) == 1:
         return rings[0], 1.0
-    shared = take_correlation(rings)
-    radius, u = np.stack([r.radius for r in rings]), np.stack([r.u for r in rings])
+    takes = mixed(*(np.stack([getattr(ring, name) for ring in rings]) for name in ("radius", "u", "status")))
+    ring = Ring(
+        rings[0].clock,
+        takes.radius,
+        takes.mean([r.axial for r in rings]),
+        takes.u,
+        takes.mean([r.modes for r in rings]),
+        takes.status,
+        np.mean([r.correlation for r in rings], axis=0),
+    )
+    return ring, takes.shared
+
+
+def mixed(radius: Array, u: Array, statuses: NDArray[np.uint8]) -> Mixture:
+    """The takes of `radius` (t, n), NaN where they have none, weighted by their independent `u` (t, n)."""
+    shared = _correlation(radius, u)
     seen = np.isfinite(radius)
     weight = np.where(seen, 1 / np.maximum(u, 1e-12) ** 2, 0.0)
     total = weight.sum(axis=0)
     found = total > 0
     weight = np.divide(weight, total, out=np.zeros_like(weight), where=total > 0)
-
-    def mean(values: list[Array]) -> Array:
-        table = np.stack(values)
-        part = np.where(weight if table.ndim == 2 else weight[:, None, :], table, 0.0)
-        sums = np.sum(part * (weight if table.ndim == 2 else weight[:, None, :]), axis=0)
-        return np.where(found, sums, np.nan)
-
     part = np.where(seen, weight * u, 0.0)
     variance = (1 - shared) * np.sum(part**2, axis=0) + shared * np.sum(part, axis=0) ** 2
-    combined = mean([r.radius for r in rings])
+    combined = np.where(found, np.sum(np.where(weight, radius, 0.0) * weight, axis=0), np.nan)
     variance = variance + _disagreement(radius, u, combined)
-    status = _status(np.stack([r.status for r in rings]), found)
-    ring = Ring(
-        rings[0].clock,
-        combined,
-        mean([r.axial for r in rings]),
-        np.where(found, np.sqrt(variance), np.nan),
-        mean([r.modes for r in rings]),
-        status,
-        np.mean([r.correlation for r in rings], axis=0),
-    )
-    return ring, shared
+    u_combined = np.where(found, np.sqrt(variance), np.nan)
+    return Mixture(combined, u_combined, _status(statuses, found), shared, weight)
 
 
 def _status(statuses: NDArray[np.uint8], found: NDArray[np.bool_]) -> NDArray[np.uint8]:

@@ -6,11 +6,13 @@
 `write_reproduction`   what the source published beside what this program computes, as a page of its own
 `write_design`     an analysed design as a folder of pictures, numbers (design.json) and one page; `design_data`
 `expanded_text`    `(304.62 ± 0.13) mm`: a value with its expanded uncertainty, rounded to what it can carry
-`write_calibration_page`, `write_difference_page`   what a calibration means, how two differ: a folder each
+`write_calibration_page`, `write_difference_page`, `write_plan_page`   what a calibration means, how two differ, which
+                   picture is next: a folder each
 `write_optimisation`   the rigs that an optimisation found as a folder of rig files, chart, numbers and one page
 """
 
 from calibore.reports._calibration import write_calibration_page, write_difference_page
+from calibore.reports._calibration_plan import write_plan_page
 from calibore.reports._design import design_data, write_design
 from calibore.reports._finisher import finisher, illustrate
 from calibore.reports._numbers import expanded_text
@@ -29,6 +31,7 @@ __all__ = [
     "write_design",
     "write_difference_page",
     "write_optimisation",
+    "write_plan_page",
     "write_report",
     "write_reproduction",
 ]

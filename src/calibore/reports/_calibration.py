@@ -13,6 +13,7 @@ from calibore.plotting import (
     length_unit,
     nominal_radius_of,
     parameter_words,
+    plain_text,
     shown_radii,
 )
 from calibore.reports._calibration_page import write_page
@@ -48,7 +49,6 @@ def write_calibration_page(
         "sentences": [*calibration.findings, *_halves_sentence(checked, unit)],
         "parameters": parameter_rows(dict(calibration.values), dict(u), unit),
         "models": model_rows(calibration),
-        "changes": [],
         "refused": [{"name": one.name, "reason": one.refused} for one in calibration.files if one.refused],
         "method": METHOD,
     }
@@ -63,12 +63,8 @@ def write_difference_page(difference: Difference, out: Path | str, *, unit: str 
         "title": "Two calibrations compared",
         "subtitle": "The second minus the first.",
         "facts": _difference_facts(difference, unit),
-        "warnings": [],
         "sentences": [difference.verdict(unit)],
-        "parameters": [],
-        "models": [],
         "changes": _change_rows(difference, unit),
-        "refused": [],
         "method": DIFFERENCE_METHOD,
     }
     pictures = difference_pictures(difference, unit=unit)
@@ -134,13 +130,14 @@ def _data(
 
 def _difference_facts(difference: Difference, unit: str) -> list[Fact]:
     along, test = difference.directions, difference.judgement
-    p = "unknown" if np.isnan(test.p) else f"{test.p:.2g}" if test.p >= 1e-3 else "< 0.001"
+    p = "p unknown" if np.isnan(test.p) else f"p = {test.p:.2g}" if test.p >= 1e-3 else "p < 0.001"
     facts = [
-        {"name": "By chance alone", "value": f"p = {p}", "remark": f"chi-square {test.chi_square:.3g} in "
+        {"name": "By chance alone", "value": p, "remark": f"chi-square {test.chi_square:.3g} in "
          f"{test.directions} directions"},
-        {"name": "Over the image", "value": f"{along.rms:.2g} px rms", "remark": f"{along.expected:.2g} px expected"},
-        {"name": "Turn taken out", "value": f"{np.degrees(np.linalg.norm(along.turn)):.2g} deg", "remark":
-         "of the whole camera"},
+        {"name": "Over the image", "value": f"{plain_text(along.rms, 2)} px rms",
+         "remark": f"{plain_text(along.expected, 2)} px expected"},
+        {"name": "Turn taken out", "value": f"{plain_text(float(np.degrees(np.linalg.norm(along.turn))), 2)} deg",
+         "remark": "of the whole camera"},
     ]  # fmt: skip
     wall, nominal = difference.wall, difference.nominal_radius
     if wall is not None and nominal is not None:
@@ -149,8 +146,8 @@ def _difference_facts(difference: Difference, unit: str) -> list[Fact]:
         facts.append(
             {
                 "name": f"Mean radius at R = {nominal / scale.metres:.4g} {unit}",
-                "value": f"{wall.mean[at] / scale.metres:+.2g} {unit}",
-                "remark": f"95 % of unchanged rigs stay within {band:.2g} {unit}",
+                "value": f"{plain_text(wall.mean[at] / scale.metres, 2, sign=True)} {unit}",
+                "remark": f"95 % of unchanged rigs stay within {plain_text(band, 2)} {unit}",
             }
         )
     return facts

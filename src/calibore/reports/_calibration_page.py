@@ -14,6 +14,8 @@ from calibore.folders import listed_in, whole_folder
 from calibore.plotting import DesignPicture, save_picture, save_vector
 
 DIGITS = 9
+TABLES = ("warnings", "parameters", "models", "changes", "steps", "ranking", "refused")
+"""What a page may leave out."""
 
 
 def write_page(
@@ -21,12 +23,13 @@ def write_page(
 ) -> Path:
     """Writes `out`/NAME.json, NAME.html and every picture as PNG and SVG, all or nothing; returns the page's path.
 
-    `words`: what the template shows; `data`: numbers in SI, written with their "format" and the "files" beside them.
+    `words`: what the template shows, of `TABLES` those that there are; `data`: numbers in SI, written with their
+    "format" and the "files" beside them.
     """
     marker, page, form = f"{name}.json", f"{name}.html", f"calibore-{name}-page/1"
     with whole_folder(out, listed_in(marker, form), what=f"{name} page") as folder:
         shown = [_saved(picture, folder) for picture in pictures]
-        text = _filled(words | {"pictures": shown, "version": __version__})
+        text = _filled(dict.fromkeys(TABLES, ()) | words | {"pictures": shown, "version": __version__})
         (folder / page).write_text(text, encoding="utf-8", newline="\n")
         listed = sorted([path.name for path in folder.iterdir()] + [marker])
         plain = {"format": form, "calibore": __version__, **data, "files": listed}

@@ -14,7 +14,7 @@ from calibore.calibration import (
     wall_uncertainty,
 )
 from calibore.errors import InputError
-from calibore.plotting import COVERAGE_FACTOR, LengthUnit, length_unit, parameter_words
+from calibore.plotting import COVERAGE_FACTOR, LengthUnit, length_unit, parameter_words, plain_text
 from calibore.rigs import Rig
 
 Fact = dict[str, str]
@@ -55,7 +55,7 @@ def parameter_rows(values: dict[str, float], u: dict[str, float | None], unit: s
             {
                 "name": parameter_words(name),
                 "value": f"{value * factor:.{min(decimals, 12)}f}",
-                "u": "not stated" if known is None else f"{known * factor:.2g}",
+                "u": "not stated" if known is None else plain_text(known * factor, 2),
                 "unit": symbol,
             }
         )
@@ -96,8 +96,8 @@ def _wall_fact(rig: Rig | None, nominal_radius: float | None, scale: LengthUnit)
     if not isfinite(true):
         yield _fact(where, "not seen", "the rig does not see this wall")
         return
-    remark = f"{alone / scale.metres:.2g} {scale.symbol} if correlations were ignored"
-    yield _fact(where, f"{true / scale.metres:.2g} {scale.symbol}", remark)
+    remark = f"{plain_text(alone / scale.metres, 2)} {scale.symbol} if correlations were ignored"
+    yield _fact(where, f"{plain_text(true / scale.metres, 2)} {scale.symbol}", remark)
 
 
 def _direction_fact(calibration: Calibration) -> Iterator[Fact]:
@@ -114,21 +114,33 @@ def _direction_fact(calibration: Calibration) -> Iterator[Fact]:
     inside = np.isfinite(sd) & (True if region is None else (zenith >= region[0]) & (zenith <= region[1]))
     if inside.any():
         middle, most = float(np.median(sd[inside])), float(sd[inside].max())
-        yield _fact("Directions known to", f"{middle:.2g} px", f"{most:.2g} px at worst in the valid region (k = 1)")
+        yield _fact(
+            "Directions known to",
+            f"{plain_text(middle, 2)} px",
+            f"{plain_text(most, 2)} px at worst in the valid region (k = 1)",
+        )
 
 
 def _halves_fact(checked: Halves | str | None) -> Iterator[Fact]:
     if isinstance(checked, Halves):
-        yield _fact("Half against half", f"{checked.rms:.2g} px rms", f"{checked.expected:.2g} px expected")
+        yield _fact(
+            "Half against half",
+            f"{plain_text(checked.rms, 2)} px rms",
+            f"{plain_text(checked.expected, 2)} px expected",
+        )
 
 
 def _noise_fact(calibration: Calibration, scale: LengthUnit) -> Iterator[Fact]:
     factor, symbol = (1 / scale.metres, scale.symbol) if calibration.observations.unit == "m" else (1.0, "px")
     symbol = symbol if calibration.observations.unit in ("m", "px") else calibration.observations.unit
     freedom = calibration.degrees_of_freedom
-    shared = f"{calibration.group_sigma * factor:.2g} {symbol} shared by groups, " if calibration.group_sigma else ""
+    shared = (
+        f"{plain_text(calibration.group_sigma * factor, 2)} {symbol} shared by groups, "
+        if calibration.group_sigma
+        else ""
+    )
     rests = f"{freedom:.0f} degrees of freedom" if isfinite(freedom) else "known beforehand"
-    yield _fact("Noise of one residual", f"{calibration.noise * factor:.2g} {symbol}", shared + rests)
+    yield _fact("Noise of one residual", f"{plain_text(calibration.noise * factor, 2)} {symbol}", shared + rests)
 
 
 def _valid_fact(calibration: Calibration, unit: str) -> Iterator[Fact]:

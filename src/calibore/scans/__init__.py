@@ -1,10 +1,12 @@
 """The data model of a survey: what a scan folder says, and the result folder made from it.
 
 `read_scan` -> `ScanSpec`; one `RingProfile` and `RingPoints` per station go through `ResultWriter` into OUT;
-`open_profile`, `open_points`, `read_rings` open OUT again; `export` writes it for other programs.
+`open_profile`, `open_points`, `read_rings` open OUT again, `read_profile` -> `Profile` all of it in memory; `export`
+writes it for other programs.
 """
 
 from calibore.scans._exports import check_format, default_export_name, export
+from calibore.scans._profile import Profile, read_profile
 from calibore.scans._results import open_points, open_profile, read_rings
 from calibore.scans._ring import RingPoints, RingProfile
 from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables
@@ -14,6 +16,7 @@ from calibore.scans._writer import ResultWriter
 __all__ = [
     "AngularMotion",
     "AxialMotion",
+    "Profile",
     "ResultWriter",
     "RingPoints",
     "RingProfile",
@@ -24,6 +27,7 @@ __all__ = [
     "export",
     "open_points",
     "open_profile",
+    "read_profile",
     "read_rings",
     "read_scan",
 ]

@@ -34,11 +34,15 @@ class AngularMotion:
 
 @dataclass(frozen=True)
 class TactileTables:
-    """Probe voltages (rows rings, columns angular stops) and the radius [m] of the probe's tip."""
+    """Probe voltages (rows rings, columns angular stops) and the radius [m] of the ball at the end of its pin; `probe`:
+    its calibration; `drift` [m]: standard uncertainty of what its readings shift by during the scan.
+    """
 
     signal: Path
     bias: Path
     tip_radius: float
+    probe: Path | None = None
+    drift: float | None = None
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,8 @@ class ScanSpec:
     """What a scan folder says, SI units, paths resolved; exactly one of `pattern`, `video`, `tactile` is set.
 
     `motion` is an `AxialMotion` or the path of a table. `search_inner` and `search_outer` are fractions of the nominal
-    radius between which the wall is looked for. `identity` stays when settings are corrected or the folder is moved:
+    radius between which the wall is looked for; `axial_step` [m]: spacing of the rows of a side-facing scan's profile,
+    None to choose. `identity` stays when settings are corrected or the folder is moved:
     it hashes the folder's own name, the scan's name and where its data come from.
     """
 
@@ -64,6 +69,7 @@ class ScanSpec:
     limit_ovality_percent: float | None = None
     search_inner: float = 0.5
     search_outer: float = 1.5
+    axial_step: float | None = None
 
     @property
     def kind(self) -> Literal["forward-looking", "side-facing", "tactile"]:

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import string
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -37,6 +38,12 @@ def _not_zero(value: float) -> float:
     return value
 
 
+def _turning(value: float) -> float:
+    if value == 0:
+        raise ValueError("a step of 0 leaves the head at one clock; give the angle between angular stops")
+    return value
+
+
 def _this_format(value: str) -> str:
     if value != "calibore-scan/1":
         raise ValueError('this program reads scan files of format "calibore-scan/1"')
@@ -61,6 +68,8 @@ class _Tactile(Document):
     signal: str
     bias: str
     tip_radius: PositiveLength
+    probe: str | None = None
+    drift: Annotated[Length, Field(ge=0)] | None = None
 
 
 class _Axial(Document):
@@ -70,7 +79,7 @@ class _Axial(Document):
 
 class _Angular(Document):
     origin: Angle
-    step: Annotated[Angle, AfterValidator(_not_zero)]
+    step: Annotated[Angle, AfterValidator(_turning)]
 
 
 class _Motion(Document):
@@ -84,6 +93,10 @@ class _Search(Document):
     outer: Annotated[float, Strict(), Field(gt=1)] = 1.5
 
 
+class _Grid(Document):
+    axial_step: PositiveLength | None = None
+
+
 class _Scan(Document):
     format: Annotated[str, AfterValidator(_this_format)]
     name: Annotated[str, Field(min_length=1)]
@@ -93,6 +106,7 @@ class _Scan(Document):
     tactile: _Tactile | None = None
     motion: _Motion
     search: _Search = _Search()
+    grid: _Grid = _Grid()
 
 
 def _toml_of(path: Path) -> Path:
@@ -169,16 +183,23 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
         identity=_identity(folder, document),
         pattern=images.pattern,
         video=None if images.video is None else file("images.video", images.video),
-        tactile=TactileTables(
-            file("tactile.signal", tactile.signal), file("tactile.bias", tactile.bias), tactile.tip_radius
-        )
-        if tactile
-        else None,
+        tactile=_tables(tactile, file) if tactile else None,
         angular=AngularMotion(angular.origin, angular.step) if angular else None,
         limit_deflection_percent=document.pipe.limit_deflection,
         limit_ovality_percent=document.pipe.limit_ovality,
         search_inner=document.search.inner,
         search_outer=document.search.outer,
+        axial_step=document.grid.axial_step,
+    )
+
+
+def _tables(tactile: _Tactile, file: Callable[[str, str], Path]) -> TactileTables:
+    return TactileTables(
+        file("tactile.signal", tactile.signal),
+        file("tactile.bias", tactile.bias),
+        tactile.tip_radius,
+        None if tactile.probe is None else file("tactile.probe", tactile.probe),
+        tactile.drift,
     )
 
 

@@ -102,13 +102,23 @@ class ResultWriter:
         with told_as_output_error(self._out):
             if self._first is None:
                 self._begin(profile)
-            if self._profile is None or self._points is None or self._rings is None:
+            if self._profile is None or self._rings is None:
                 raise RuntimeError("The result is sealed; add every station before seal() or finish().")
             self._check(profile)
             self._rings.add({"station": profile.station, "axial_m": profile.axial, **row})
             self._profile.append(_profile_block(profile))
-            self._points.append(_points_block(points, profile.station))
+            self._begun_points().append(_points_block(points, profile.station))
             self._last_station = profile.station
+
+    def add_points(self, points: RingPoints, station: int) -> None:
+        """Append points of `station` that belong to no one row of the profile: where a row is made of many pictures.
+
+        Before or between the rows that `add` takes; those then come with no points. Raises as `add`.
+        """
+        with told_as_output_error(self._out):
+            if self._rings is None:
+                raise RuntimeError("The result is sealed; add every point before seal() or finish().")
+            self._begun_points().append(_points_block(points, station))
 
     def seal(self) -> Path:
         """Complete arrays and table; returns `folder`, which `open_profile` and `export` can now read."""
@@ -140,7 +150,6 @@ class ResultWriter:
         self._folder = None
 
     def _begin(self, profile: RingProfile) -> None:
-        about = {"Conventions": "CF-1.11", "title": self._spec.name, "scan_identity": self._spec.identity}
         radius = {"nominal_radius": self._spec.nominal_radius, "nominal_radius_units": "m"}
         self._profile = GrowingGroup(
             self.folder / "profile.zarr",
@@ -148,18 +157,25 @@ class ResultWriter:
             growing="station",
             rows=STATIONS_PER_CHUNK,
             sizes={"clock": profile.clock.size, "mode": len(profile.common_mode), "lag": profile.correlation.size},
-            attributes={"format": PROFILE_FORMAT, **about, **radius},
+            attributes={"format": PROFILE_FORMAT, **self._about, **radius},
         )
         self._profile.fill("clock", profile.clock)
-        self._points = GrowingGroup(
+        self._first, self._last_station = profile, profile.station - 1
+
+    @property
+    def _about(self) -> dict[str, str]:
+        return {"Conventions": "CF-1.11", "title": self._spec.name, "scan_identity": self._spec.identity}
+
+    def _begun_points(self) -> GrowingGroup:
+        self._points = self._points or GrowingGroup(
             self.folder / "points.zarr",
             POINTS_VARIABLES,
             growing="point",
             rows=POINTS_PER_CHUNK,
             sizes={},
-            attributes={"format": POINTS_FORMAT, **about},
+            attributes={"format": POINTS_FORMAT, **self._about},
         )
-        self._first, self._last_station = profile, profile.station - 1
+        return self._points
 
     def _check(self, profile: RingProfile) -> None:
         first = self._first or profile

@@ -7,7 +7,7 @@ from calibore.errors import ImageError, UsageError
 from calibore.stripe._estimators import Estimator
 from calibore.stripe._noise import NoiseModel
 from calibore.stripe._picture import Picture
-from calibore.stripe._rays import columns, compass
+from calibore.stripe._rays import columns, compass, rows
 from calibore.stripe._stripe import Stripe
 from calibore.stripe._twin import Annulus, line_numpy, ring_numpy
 
@@ -35,13 +35,13 @@ def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) 
     return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale, centre)
 
 
-def line_by(kernel: str, picture: Picture, estimator: Estimator) -> Stripe:
-    """The line across `picture`, measured by `kernel`."""
+def line_by(kernel: str, picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:
+    """The line across `picture`, or `down` it, measured by `kernel`."""
     if not _is_native(kernel):
-        return line_numpy(picture, estimator)
-    arrays, noise, scale = _native.detect_line(picture.image, picture.band, int(estimator))
+        return line_numpy(picture, estimator, down=down)
+    arrays, noise, scale = _native.detect_line(picture.image, picture.band, int(estimator), down)
     u, v, u_position, status, height, correlation = arrays
-    direction = columns(picture.image.shape).direction
+    direction = (rows if down else columns)(picture.image.shape).direction
     return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale)
 
 

@@ -32,6 +32,11 @@ SMALLEST_WINDOW, LARGEST_WINDOW = 6, 32
 """Limits of the window to which a slope is fitted [samples]; within them it is four line widths."""
 FLOORS = (0.01, 0.07, 0.5)
 """Additive noise tried, as fractions of the line's height; the optimum is flat, factors of seven are fine enough."""
+LOST = 0.05
+"""A floor under which the step to the model's place leaves more than this share of the peaks is no floor: the scatter
+cannot tell, for such peaks keep their first place ..."""
+RAISED = 0.03
+"""... and instead of the least one this is tried."""
 
 
 def first_settings(picture: Picture, rays: Rays, estimator: Estimator) -> ScanSettings:
@@ -76,13 +81,21 @@ def best_floor(picture: Picture, rays: Rays, peaks: Peaks, settings: ScanSetting
     """
     if settings.estimator is not Estimator.ZERO_CROSSING:
         return settings
-    spans, height, trials = near(peaks.position[:, 0], 2 * settings.reach), np.nanmedian(peaks.height[:, 0]), []
-    for fraction in FLOORS:
+    spans, height = near(peaks.position[:, 0], 2 * settings.reach), np.nanmedian(peaks.height[:, 0])
+    first = scan(picture.plane(), rays, settings.plain(), spans=spans).position[:, 0]
+
+    def trial(fraction: float) -> tuple[float, float, float, ScanSettings]:
+        """Scatter, floor, share of lost peaks, settings."""
         noise = replace(settings.noise, additive=max(settings.noise.additive, float(fraction * height) ** 2))
-        trial = replace(settings, noise=noise)
-        place = scan(picture.plane(), rays, trial, spans=spans).position[:, 0]
-        trials.append((neighbour_scatter(place, width=noise.width, spacing=rays.spacing), fraction, trial))
-    return min(trials, key=lambda trial: trial[:2])[2]
+        tried = replace(settings, noise=noise)
+        place = scan(picture.plane(), rays, tried, spans=spans).position[:, 0]
+        lost = float(np.count_nonzero(place == first) / max(np.count_nonzero(np.isfinite(place)), 1))
+        return neighbour_scatter(place, width=noise.width, spacing=rays.spacing), fraction, lost, tried
+
+    least, *higher = map(trial, FLOORS)
+    least = trial(RAISED) if least[2] > LOST else least
+    trials = higher if least[2] > LOST else [least, *higher]
+    return min(trials, key=lambda tried: tried[:2])[3]
 
 
 def near(position: Array, margin: int) -> NDArray[np.int64]:

@@ -98,3 +98,10 @@ def columns(shape: tuple[int, ...]) -> Rays:
     column = np.arange(shape[1], dtype=np.float64)
     start = np.stack([column, np.zeros_like(column)], axis=1)
     return Rays(start, np.tile([0.0, 1.0], (column.size, 1)), shape[0], False, 1.0)
+
+
+def rows(shape: tuple[int, ...]) -> Rays:
+    """One ray along every pixel row from column 0: for a line that runs down the picture of `shape` (h, w)."""
+    row = np.arange(shape[0], dtype=np.float64)
+    start = np.stack([np.zeros_like(row), row], axis=1)
+    return Rays(start, np.tile([1.0, 0.0], (row.size, 1)), shape[1], False, 1.0)

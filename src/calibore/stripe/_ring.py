@@ -51,15 +51,17 @@ def detect_ring(
 def detect_line(
     image: NDArray[np.generic],
     *,
+    down: bool = False,
     channel: str = "luma",
     estimator: str = "zero-crossing",
     kernel: str = DEFAULT_KERNEL,
 ) -> Stripe:
     """A line that crosses `image` from left to right, one peak per column; `u` are the columns, `v` the rows.
 
-    Arguments as for `detect_ring`. A column without the line has a status and no value; no line at all is no error.
+    `down`: the line runs down the image, one peak per row, as a side-facing head sees it. Other arguments as for
+    `detect_ring`. A column or row without the line has a status and no value; no line at all is no error.
     """
-    return line_by(kernel, prepare(image, channel), estimator_named(estimator))
+    return line_by(kernel, prepare(image, channel), estimator_named(estimator), down=down)
 
 
 def _counted(rays: int, sectors: Sequence[tuple[float, float]] | None) -> NDArray[np.bool_]:

@@ -18,7 +18,7 @@ from calibore.stripe._guide import COARSE, LEAST_MARGIN, guided_spans
 from calibore.stripe._learn import first_settings, learn_noise
 from calibore.stripe._light import laser_light
 from calibore.stripe._picture import Picture
-from calibore.stripe._rays import Rays, annulus, columns
+from calibore.stripe._rays import Rays, annulus, columns, rows
 from calibore.stripe._scan import scan
 from calibore.stripe._scatter import observe_scatter
 from calibore.stripe._stripe import Stripe
@@ -68,9 +68,9 @@ def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided:
         ring = replace(ring, centre=centre)
 
 
-def line_numpy(picture: Picture, estimator: Estimator) -> Stripe:
-    """The line that crosses `picture` from left to right."""
-    rays = columns(picture.image.shape)
+def line_numpy(picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:
+    """The line that crosses `picture` from left to right, or runs `down` it."""
+    rays = (rows if down else columns)(picture.image.shape)
     settings = first_settings(picture, rays, estimator)
     settings = learn_noise(picture, rays, scan(picture.plane(), rays, settings.plain()), settings)
     return _measure(_sight(picture, rays, scan(picture.plane(), rays, settings), settings.noise.width), settings)

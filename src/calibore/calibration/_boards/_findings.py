@@ -7,8 +7,8 @@ import numpy as np
 from calibore.calibration._boards._fit import BENDS, BoardFit
 from calibore.calibration._boards._models import Trial
 from calibore.calibration._boards._pictures import BoardPictures
-from calibore.calibration._calibration import InputFile
 from calibore.calibration._in_words import PIXEL
+from calibore.calibration._input_files import InputFile
 from calibore.rigs import ValidRegion
 
 FEW = 8  # pictures

@@ -10,8 +10,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, Field, Strict, model_validator
 
-from calibore.calibration._calibration import InputFile
-from calibore.calibration._pupil._target import input_file
+from calibore.calibration._input_files import InputFile, input_file
 from calibore.documents import Document, Length, read_document
 from calibore.errors import ImageError, InputError
 from calibore.images import read_image

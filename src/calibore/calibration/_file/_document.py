@@ -8,7 +8,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import ConfigDict, Field
 
-from calibore.calibration._calibration import Calibration, Comparison, InputFile, Observations
+from calibore.calibration._calibration import Calibration, Comparison, Observations
+from calibore.calibration._input_files import InputFile
 from calibore.calibration._rig._values import value_of
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import InputError
@@ -47,6 +48,7 @@ class FileTable(Document):
     name: str
     sha256: str
     refused: str = ""
+    set_aside: str = ""
 
 
 class ValidTable(Document):
@@ -124,7 +126,7 @@ def calibration_of(path: Path, file: CalibrationFile, observations: Observations
         degrees_of_freedom=table.degrees_of_freedom,
         noise=table.noise,
         group_sigma=table.group_sigma,
-        files=tuple(InputFile(one.name, one.sha256, one.refused) for one in table.file),
+        files=tuple(InputFile(**one.model_dump()) for one in table.file),
         observations=observations,
         valid=table.valid and ValidRegion(table.valid.zenith, table.valid.radius),
         models=tuple(_model(one) for one in table.model),

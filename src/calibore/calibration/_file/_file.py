@@ -1,6 +1,5 @@
 """A calibration's FILE and its evidence: written so that there is the old pair, the new pair or none; read again."""
 
-import hashlib
 import os
 import re
 import secrets
@@ -18,13 +17,13 @@ from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._evidence import DIGITS, evidence_hash, read_evidence, write_evidence
 from calibore.calibration._file._document import calibration_of, read_table
 from calibore.calibration._file._text import file_text
+from calibore.calibration._input_files import hash_of_file
 from calibore.errors import InputError, OutputError
 
 ABANDONED = 3600.0
 """s; what is left after an hour belongs to no living run."""
 STORE = re.compile(rf"(.*)-([0-9a-f]{{{DIGITS}}})\.zarr")
 """Name of the evidence: FILE's stem, then the hash of its content."""
-PART = 1 << 20
 
 
 def write_calibration(calibration: Calibration, out: Path | str) -> None:
@@ -96,15 +95,6 @@ def verify_inputs(path: Path | str, folder: Path | str) -> dict[str, str]:
         elif hash_of_file(source) != file.sha256:
             found[file.name] = "changed"
     return found
-
-
-def hash_of_file(path: Path) -> str:
-    """SHA-256 of a file's bytes."""
-    found = hashlib.sha256()
-    with path.open("rb") as file:
-        while part := file.read(PART):
-            found.update(part)
-    return found.hexdigest()
 
 
 def _evidence_named_in(path: Path) -> str | None:

@@ -7,7 +7,8 @@ from math import inf, isinf, isnan
 from typing import Any
 
 from calibore import __version__
-from calibore.calibration._calibration import Calibration, Comparison, InputFile
+from calibore.calibration._calibration import Calibration, Comparison
+from calibore.calibration._input_files import InputFile
 from calibore.errors import InputError
 from calibore.rigs import Rig, ValidRegion, parts_toml
 from calibore.uncertainty import Quantity
@@ -98,8 +99,8 @@ def _quantity(quantity: Quantity) -> str:
 
 def _files(files: Iterable[InputFile]) -> Iterator[str]:
     for file in files:
-        plain = {"name": file.name, "sha256": file.sha256} | ({"refused": file.refused} if file.refused else {})
-        yield from ("", "[[calibration.file]]", *_entries(plain))
+        why = {key: text for key in ("refused", "set_aside") if (text := getattr(file, key))}
+        yield from ("", "[[calibration.file]]", *_entries({"name": file.name, "sha256": file.sha256} | why))
 
 
 def _entries(table: Mapping[str, Any]) -> Iterator[str]:

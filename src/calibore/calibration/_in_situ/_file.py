@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from calibore.calibration._calibration import InputFile
 from calibore.calibration._in_situ._wall import WallGrid
 from calibore.calibration._in_words import Unit
-from calibore.calibration._pupil._target import LengthText, input_file
+from calibore.calibration._input_files import InputFile, input_file
+from calibore.calibration._pupil._target import LengthText
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import InputError
 from calibore.rigs import Probe, Rig, read_probe, read_rig

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._calibration import InputFile
 from calibore.calibration._in_situ._file import ProfileTarget
-from calibore.calibration._pupil._target import input_file
+from calibore.calibration._input_files import InputFile, input_file
 from calibore.errors import ImageError, InputError
 from calibore.images import ImageFolder, read_image
 from calibore.rigs import Rig, SideFacing

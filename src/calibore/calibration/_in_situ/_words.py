@@ -2,13 +2,14 @@
 
 from collections.abc import Iterable, Iterator
 
-from calibore.calibration._calibration import Comparison, InputFile
+from calibore.calibration._calibration import Comparison
 from calibore.calibration._in_situ._change import Change
 from calibore.calibration._in_situ._file import ProfileTarget
 from calibore.calibration._in_situ._fit import CLEARLY, InSitu
 from calibore.calibration._in_situ._pose import SETTING, Aligned
 from calibore.calibration._in_situ._wall import POSE
 from calibore.calibration._in_words import DEGREE, Unit, unit_of, word_of
+from calibore.calibration._input_files import InputFile
 from calibore.calibration._rig._values import value_of
 
 FEW = 0.5

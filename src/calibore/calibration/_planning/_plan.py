@@ -15,6 +15,7 @@ from calibore.calibration._on_the_wall import stated, wall_clocks, wall_slopes, 
 from calibore.calibration._planning._pictures import Picture, picture_of
 from calibore.calibration._planning._shots import Shot, usual_shots
 from calibore.calibration._planning._targets import PlannedTarget
+from calibore.calibration._planning._words import advice_of
 from calibore.errors import InputError
 from calibore.rigs import Rig
 from calibore.uncertainty import Covariance
@@ -55,6 +56,10 @@ class Plan:
     def after(self) -> float:
         """Standard uncertainty [m] after all steps."""
         return self.steps[-1].u
+
+    def advice(self, unit: str = "mm") -> str:
+        """The next picture and what it brings, in sentences, lengths in "mm" or "in"."""
+        return advice_of(self, unit)
 
 
 def plan(

@@ -57,7 +57,7 @@ class Shot:
         text = f"at {(self.distance or 0.0) / UNITS[unit]:.3g} {unit}"
         if self.tilt:
             side = SIDES[round(self.towards / (np.pi / 2)) % 4]
-            text += f", {side} leaning {np.degrees(self.tilt):.0f} deg away"
+            text += f", its {side} leaning {np.degrees(self.tilt):.0f} deg away"
         return text + ("" if self.straight else _place_text(self.place))
 
 

@@ -1,6 +1,5 @@
 """target.toml of the two-pin fixture, and its pictures turned into sightings of the pins."""
 
-import hashlib
 import string
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
-from calibore.calibration._calibration import InputFile
 from calibore.calibration._in_words import Unit
+from calibore.calibration._input_files import InputFile, input_file
 from calibore.calibration._pupil._model import Sightings
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import ImageError, InputError
@@ -118,15 +117,6 @@ def read_two_pin(path: Path, *, progress: Progress | None = None) -> TwoPinPictu
     seen = Sightings(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     (width, height), *_ = sizes
     return TwoPinPictures(target, slides, Unit.of_length(target.slides[0]), turns, seen, tuple(files), width, height)
-
-
-def input_file(path: Path, *, refused: str = "") -> InputFile:
-    """`path` with the hash of its bytes, "" where it cannot be read."""
-    try:
-        digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError:
-        digest = ""
-    return InputFile(path.name, digest, refused)
 
 
 def _name(pattern: str, slide: int, turn: int, toml: Path) -> str:

@@ -92,9 +92,10 @@ def scatter_of(found: RigFit) -> tuple[float, float]:
 
 
 def zeniths_of(found: RigFit) -> tuple[float, float]:
-    """Least and greatest zenith [rad] of the camera rays of all marks."""
+    """From the axis, about which every lens is symmetric and to which it interpolates, to the greatest zenith [rad] of
+    the camera rays of all marks.
+    """
     looks = found.model.looks
     u, v = (np.concatenate([getattr(look, name) for look in looks]) for name in "uv")
     direction = found.rig.camera.unproject(u, v).direction
-    zenith = np.arccos(np.clip(direction[:, 2], -1, 1))
-    return float(zenith.min()), float(zenith.max())
+    return 0.0, float(np.arccos(np.clip(direction[:, 2].min(), -1, 1)))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from calibore.calibration._calibration import InputFile
+from calibore.calibration._input_files import InputFile
 from calibore.calibration._outlines import annulus
 from calibore.calibration._rig._gauges_file import GaugesTarget, Placing
 from calibore.calibration._rig._line_pictures import OneSize, Progress, Takes, average_takes
@@ -37,10 +37,10 @@ def find_rings(target: GaugesTarget, *, progress: Progress | None) -> RingPictur
             takes = average_takes(paths, folder=target.folder, size=size)
             look = _look(takes, target, placing, laser)
             if isinstance(look, Look):
-                first = next(number for number, one in enumerate(takes.files) if not one.refused)
+                first = next(number for number, one in enumerate(takes.files) if one.used)
                 looks.append(replace(look, file=len(files) + first))
             why = "" if isinstance(look, Look) else look
-            files += [replace(one, refused=one.refused or why) for one in takes.files]
+            files += [replace(one, refused=why) if one.used else one for one in takes.files]
         if progress is not None:
             progress(done, len(target.placings))
     if not looks:

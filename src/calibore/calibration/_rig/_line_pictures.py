@@ -1,6 +1,5 @@
 """Pictures of one stop: which of them show the laser alone, and their mean."""
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._calibration import InputFile
+from calibore.calibration._input_files import InputFile, input_file
 from calibore.errors import ImageError, InputError
 from calibore.images import read_image
 
@@ -19,6 +18,7 @@ LIT, TIMES = 0.03, 3.0
 of white and is this many times as high."""
 BRIGHT = 0.2
 """A picture whose typical brightness exceeds this fraction of white is no picture of a laser line in the dark."""
+ROOM_LIGHT, NO_OTHER = "it has room light", "and no other take shows the laser alone"
 EIGHT_BITS = 257
 """From 8 bits to 16."""
 
@@ -26,7 +26,8 @@ EIGHT_BITS = 257
 @dataclass(frozen=True, eq=False)
 class Takes:
     """The mean `picture` (h, w[, 3]) of the takes of one stop that show the laser alone, None where there is none;
-    their `files`, used or refused; the numbers of the `used` takes and of those with room light, `lit`.
+    their `files`, used or not: room light is no fault where another take shows the laser alone; the numbers of the
+    `used` takes and of those with room light, `lit`.
     """
 
     picture: Picture | None
@@ -49,9 +50,12 @@ def average_takes(paths: dict[int, Path], *, folder: Path, size: "OneSize") -> T
     lowest = min(levels.values(), default=0.0)
     lit = [take for take, level in levels.items() if level > max(TIMES * lowest, lowest + LIT) or level > BRIGHT]
     used = tuple(take for take in pictures if take not in lit)
-    why |= {take: f"it has room light (typically {levels[take]:.0%} of white)" for take in lit}
+    if not used:
+        why |= {take: f"{ROOM_LIGHT} (typically {levels[take]:.0%} of white), {NO_OTHER}" for take in lit}
+    aside = {take: ROOM_LIGHT for take in lit if used}
     files = tuple(
-        InputFile(path.relative_to(folder).as_posix(), _sha256(path), why.get(take, "")) for take, path in paths.items()
+        input_file(path, folder=folder, refused=why.get(take, ""), set_aside=aside.get(take, ""))
+        for take, path in paths.items()
     )
     return Takes(_mean([pictures[take] for take in used]) if used else None, files, used, tuple(lit))
 
@@ -86,13 +90,6 @@ def _mean(pictures: list[NDArray[Any]]) -> Picture:
     for picture in pictures:
         total += picture.astype(float) * (EIGHT_BITS if picture.dtype == np.uint8 else 1)
     return np.rint(total / len(pictures)).astype(np.uint16)
-
-
-def _sha256(path: Path) -> str:
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError:
-        return ""
 
 
 Progress = Callable[[int, int], None]

@@ -67,8 +67,7 @@ def range_warnings(target: RangeTarget, pictures: LinePictures, found: RigFit, w
     unsaid = sorted(seen - set(stated)) if stated is not None else []
     if unsaid:
         warnings.append(f"Take {', '.join(map(str, unsaid))} has room light, which target.toml does not say.")
-    refused = [one for one in pictures.files if one.refused and "room light" not in one.refused]
-    warnings += [f"{one.name} was not used: {one.refused}." for one in refused]
+    warnings += [f"{one.name} was not used: {one.refused}." for one in pictures.files if one.refused]
     return [*warnings, *contradictions(found)]
 
 

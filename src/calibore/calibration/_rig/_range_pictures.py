@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.calibration._calibration import InputFile
+from calibore.calibration._input_files import InputFile
 from calibore.calibration._rig._line_pictures import OneSize, Picture, Progress, average_takes
 from calibore.calibration._rig._looks import Look
 from calibore.calibration._rig._range_file import RangeTarget
@@ -47,11 +47,11 @@ def find_lines(target: RangeTarget, *, channel: str, progress: Progress | None) 
         if takes.picture is not None:
             look = _look(takes.picture, target, index, channel)
             if isinstance(look, Look):
-                first = next(number for number, one in enumerate(own) if not one.refused)
+                first = next(number for number, one in enumerate(own) if one.used)
                 looks.append(replace(look, file=len(files) + first))
             else:
                 why = look
-        files += [replace(one, refused=one.refused or why) for one in own]
+        files += [replace(one, refused=why) if one.used else one for one in own]
         if progress is not None:
             progress(done, len(target.paths))
     if one_size.known is None:

@@ -38,12 +38,12 @@ def suspects(found: RigFit) -> list[Suspect]:
     """All stops, the most suspect first; none where stops do not scatter.
 
     With the error e of a stop as a parameter of prior N(0, u^2), its posterior mean m and variance V tell what the
-    marks and all other stops say of it: m / V times s^2, 1 / s^2 = 1 / V - 1 / u^2, of variance s^2 + u^2.
+    marks and all other stops say of it: m / V times s^2, 1 / s^2 = 1 / V - 1 / u^2, of variance s^2 + u^2. Where u is
+    what stops scatter by, it has as many degrees of freedom as errors of stops are told: the sum of 1 - V / u^2.
     """
     from scipy import special
 
     stated = found.model.stated
-    freedom = np.inf if stated else max(found.fit.degrees_of_freedom, 1.0)
     sizes = [(reference.u or 0.0) if stated else found.stop_scatter for reference in found.model.stops.values()]
     u = np.array(sizes)
     result: list[Suspect] = []
@@ -51,6 +51,7 @@ def suspects(found: RigFit) -> list[Suspect]:
         return result
     error, variance = _errors_of_stops(_with_own_scatter(found), u)
     told = 1 / variance - 1 / u**2
+    freedom = np.inf if stated else max(float(np.sum(1 - variance / u**2)), 1.0)
     for number, stop in enumerate(found.model.stops):
         if told[number] > 0:
             off = error[number] / variance[number] / told[number]

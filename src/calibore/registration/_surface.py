@@ -1,0 +1,219 @@
+"""The reference profile between its points: radius, slopes, and how well each is known there.
+
+Linear between the four points around; without all four there is no value. What a straight line between points misses
+is estimated from the bends next to it and counts as uncertainty. Slopes are taken over as
+many points as lie on one slope, so that little noise is left in them, and how much is known.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.scans import Profile
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.intp]
+
+REACHES = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
+"""Clock positions on each side whose differences make a slope, as far as they agree with one."""
+WIDEST = 1.6
+"""Median steps of the clock grid between two positions beyond which nothing is known between them."""
+BEYOND = 0.25
+"""Of the rings' spacing: as far beyond an end ring its radius still counts, less and less known."""
+AGREEING = 5.0
+"""Standard deviations within which a difference agrees with a slope."""
+FAR = 0.25
+"""Of the radius: rings no further than that on each side may share a slope."""
+PARABOLA = 0.5
+"""t (1 - t) / 2 of the second difference from ring to ring is what a chord misses of a parabola."""
+RESOLUTION = 0.25
+"""Of the second difference round the clock: how far a radius beside an edge may be off, wherever it lies between clock
+positions. A profile holds means over its clock steps, and an edge may run anywhere through one."""
+INTERPOLATION_STEPS = 3
+"""Times the ring next to a point is looked for anew, where axial positions vary along it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """What the reference is at n places: `radius` [m], its slopes `by_axial` [m/m] and `by_clock` [m/rad] with the
+    variances of their noise, `variance` [m^2] of radius from noise and interpolation, `modes` (q, n) [m]; NaN where it
+    is not known.
+    """
+
+    radius: Array
+    by_axial: Array
+    by_clock: Array
+    noise_by_axial: Array
+    noise_by_clock: Array
+    variance: Array
+    modes: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Between:
+    """The four points of the grid around each of p places: `row`, `column`, `weight` (4, p), and `t` (p,), how far from
+    the ring before to the one after.
+    """
+
+    row: Whole
+    column: Whole
+    weight: Array
+    t: Array
+
+    def mean(self, values: Array, *, squared: bool = False) -> Array:
+        """(..., p) of `values` (..., n, m); `squared`: of variances of independent values."""
+        weight = self.weight**2 if squared else self.weight
+        return np.einsum("kp,...kp->...p", weight, values[..., self.row, self.column])
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The wall as `profile` has it; rings in the order of their axial positions."""
+
+    profile: Profile
+
+    @cached_property
+    def centres(self) -> Array:
+        """(n,) [m] median axial position of each ring."""
+        return np.nanmedian(self.profile.axial_position, axis=1)
+
+    @cached_property
+    def clock_slopes(self) -> Array:
+        """(2, n, m) [m/rad] by differences over the positions around, and the variance of their noise."""
+        radius, u2 = self.profile.radius, self.profile.u_independent**2
+        pairs = [
+            (np.roll(radius, -k, 1) - np.roll(radius, k, 1), 2 * k * self.step, np.roll(u2, -k, 1) + np.roll(u2, k, 1))
+            for k in REACHES
+        ]
+        return _slopes(pairs)
+
+    @cached_property
+    def axial_slopes(self) -> Array:
+        """(2, n, m) [m/m] by differences from ring to ring, and the variance of their noise: symmetric about each ring,
+        so that its own noise is not in them; over several rings where these are close, one-sided at the ends.
+        """
+        radius, u2, z = self.profile.radius, self.profile.u_independent**2, self.profile.axial_position
+        count = len(radius)
+        most = max(1, int(FAR * self.profile.typical_radius / max(self.profile.spacing, 1e-9)))
+        rows, pairs = np.arange(count), []
+        for k in (k for k in REACHES if k <= most):
+            low, high = np.maximum(rows - k, 0), np.minimum(rows + k, count - 1)
+            even = (k == 1) | ((high - low) == 2 * k)
+            apart = np.where(even[:, None], z[high] - z[low], np.nan)
+            pairs.append((radius[high] - radius[low], apart, u2[high] + u2[low]))
+        return _slopes(pairs) if count > 1 else np.zeros((2, *radius.shape))
+
+    @property
+    def step(self) -> float:
+        """Of the clock [rad]."""
+        return float(np.median(np.diff(self.profile.clock)))
+
+    @cached_property
+    def clock_bends(self) -> Array:
+        """(n, m) [m]"""
+        return clock_bends(self.profile)
+
+    @cached_property
+    def axial_bends(self) -> Array:
+        """(n, m) [m] size of the second difference from ring to ring, at the ends that of the ring next to it."""
+        radius, u = self.profile.radius, self.profile.u_independent
+        if len(radius) < 3:
+            return np.zeros_like(radius)
+        inner = _bend(radius, u, axis=0)[1:-1]
+        return np.concatenate([inner[:1], inner, inner[-1:]])
+
+    def at(self, axial: Array, clock: Array) -> Place:
+        """The reference at places (p,) given by axial position [m] and clock [rad]."""
+        between = self._between(axial, clock)
+        by_axial, noise_by_axial = between.mean(self.axial_slopes)
+        by_clock, noise_by_clock = between.mean(self.clock_slopes)
+        radius, variance = self._heights(between)
+        modes = between.mean(self.profile.common_mode)
+        return Place(radius, by_axial, by_clock, noise_by_axial, noise_by_clock, variance, modes)
+
+    def heights(self, axial: Array, clock: Array) -> tuple[Array, Array]:
+        """Radius and variance only (p,)."""
+        return self._heights(self._between(axial, clock))
+
+    def _heights(self, between: "_Between") -> tuple[Array, Array]:
+        t, mean = between.t, between.mean
+        missed = np.stack([PARABOLA * t * (1 - t) * mean(self.axial_bends), RESOLUTION * mean(self.clock_bends)])
+        outside = np.maximum(np.maximum(-t, t - 1), 0.0)
+        beyond = np.where(outside > 0, outside * mean(self.axial_bends), 0.0)
+        noise = between.mean(self.profile.u_independent**2, squared=True)
+        return mean(self.profile.radius), noise + np.sum(missed**2, axis=0) + beyond**2
+
+    def _between(self, axial: Array, clock: Array) -> "_Between":
+        row, t = self._rows(axial, clock)
+        column, following, s, close = self._columns(clock)
+        below = np.minimum(row + 1, self.centres.size - 1)
+        t = np.where(close, t, np.nan)
+        weights = np.stack([(1 - t) * (1 - s), (1 - t) * s, t * (1 - s), t * s])
+        return _Between(np.stack([row, row, below, below]), np.stack([column, following] * 2), weights, t)
+
+    def _rows(self, axial: Array, clock: Array) -> tuple[Whole, Array]:
+        """The ring before each place, and how far it lies from there to the next (0 ... 1, a little beyond at the
+        ends); NaN outside.
+        """
+        count = self.centres.size
+        if count == 1:
+            return np.zeros(np.shape(axial), dtype=np.intp), np.zeros(np.shape(axial))
+        column, following, s, _ = self._columns(clock)
+        z = np.where(np.isfinite(self.profile.axial_position), self.profile.axial_position, self.centres[:, None])
+        row = np.clip(np.searchsorted(self.centres, axial) - 1, 0, count - 2)
+        t = np.zeros(np.shape(axial))
+        for _ in range(INTERPOLATION_STEPS):
+            low, high = ((1 - s) * z[row + i, column] + s * z[row + i, following] for i in (0, 1))
+            t = (axial - low) / (high - low)
+            row = np.clip(row + (t > 1).astype(np.intp) - (t < 0), 0, count - 2)
+        low, high = ((1 - s) * z[row + i, column] + s * z[row + i, following] for i in (0, 1))
+        t = (axial - low) / (high - low)
+        near = (t >= -BEYOND) & (t <= 1 + BEYOND)
+        return row, np.where(near, t, np.nan)
+
+    def _columns(self, clock: Array) -> tuple[Whole, Whole, Array, NDArray[np.bool_]]:
+        """Clock positions before and after each place, how far between them, and whether both are neighbours."""
+        grid, turn = self.profile.clock, 2 * np.pi
+        clock = grid[0] + np.mod(clock - grid[0], turn)
+        column = np.clip(np.searchsorted(grid, clock, side="right") - 1, 0, grid.size - 1)
+        following = (column + 1) % grid.size
+        apart = np.mod(grid[following] - grid[column], turn)
+        return column, following, (clock - grid[column]) / apart, apart <= WIDEST * self.step
+
+
+def clock_bends(profile: Profile) -> Array:
+    """(n, m) [m] size of the second difference round the clock, what noise makes of it taken away."""
+    return _bend(profile.radius, profile.u_independent, axis=1)
+
+
+def _slopes(pairs: Iterable[tuple[Array, Array | float, Array]]) -> Array:
+    """(2, n, m) the slope through pairs of differences of radius, over which distances, with which variance, nearest
+    pair first, and its variance. As many pairs count as one straight line suits: beside an edge only the nearest.
+    """
+    total, squares, noise, slope = np.zeros(()), np.zeros(()), np.zeros(()), np.zeros((2, 1, 1))
+    seen: list[tuple[Array, Array | float, Array]] = []
+    for rise, apart, variance in pairs:
+        known = np.isfinite(rise) & np.isfinite(apart)
+        total = total + np.where(known, apart * rise, 0.0)
+        squares = squares + np.where(known, np.square(apart), 0.0)
+        noise = noise + np.where(known, np.square(apart) * variance, 0.0)
+        safe = np.where(squares > 0, squares, 1.0)
+        wider = np.stack([total / safe, noise / safe**2])
+        seen.append((rise, apart, variance))
+        straight = np.all([_suits(wider[0], *one) for one in seen], axis=0)
+        slope = np.where(straight | (len(seen) == 1), wider, slope)
+    return slope
+
+
+def _suits(slope: Array, rise: Array, apart: Array | float, variance: Array) -> NDArray[np.bool_]:
+    """Whether a difference agrees with a slope within its noise, or is not known."""
+    return ~(np.abs(rise - apart * slope) > AGREEING * np.sqrt(variance))
+
+
+def _bend(radius: Array, u: Array, *, axis: int) -> Array:
+    before, after = np.roll(radius, 1, axis=axis), np.roll(radius, -1, axis=axis)
+    square = (before - 2 * radius + after) ** 2 - 6 * np.nan_to_num(u) ** 2
+    return np.sqrt(np.maximum(np.nan_to_num(square), 0.0))

@@ -1,0 +1,97 @@
+"""A measured wall in memory: what every instrument's result is, whoever compares it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import InputError
+from calibore.scans._results import open_profile
+from calibore.status import has_value
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """R(axial, clock): n rings, m clock positions [rad] rising within one turn, q common modes; SI units.
+
+    `axial` (n,) of the rings; `radius`, `axial_position` of the wall points, `u_independent` (n, m), NaN where nothing
+    was measured; cov(radius) = diag(u_independent^2) + sum over `common_mode` (q, n, m) of m m^T; `correlation` (n, k)
+    of the independent part at lags of 1 .. k clock steps; `status` (n, m). Raises InputError where shapes disagree or
+    nothing was measured at all.
+    """
+
+    axial: Array
+    clock: Array
+    radius: Array
+    axial_position: Array
+    u_independent: Array
+    common_mode: Array
+    correlation: Array
+    status: NDArray[np.uint8]
+    name: str = ""
+    nominal_radius: float = float("nan")
+
+    def __post_init__(self) -> None:
+        shape = (self.axial.size, self.clock.size)
+        for name in ("radius", "axial_position", "u_independent", "status"):
+            if getattr(self, name).shape != shape:
+                raise InputError(f"A profile's {name} has shape {shape}, got {getattr(self, name).shape}.")
+        if self.common_mode.shape[1:] != shape:
+            raise InputError(f"A profile's common_mode has shape (q, {shape[0]}, {shape[1]}).")
+        if not np.isfinite(self.radius).any():
+            raise InputError(f"The profile{f' {self.name}' if self.name else ''} holds no radius at all.")
+
+    @cached_property
+    def measured(self) -> NDArray[np.bool_]:
+        """(n, m) where there is a radius."""
+        return np.isfinite(self.radius) & has_value(self.status)
+
+    @property
+    def u_common(self) -> Array:
+        """(n, m) [m]"""
+        return np.where(np.isnan(self.radius), np.nan, np.sqrt(np.sum(self.common_mode**2, axis=0)))
+
+    @property
+    def typical_radius(self) -> float:
+        """m; the median."""
+        return float(np.nanmedian(self.radius))
+
+    @property
+    def spacing(self) -> float:
+        """Between rings [m]; 0 of a single ring."""
+        return float(np.median(np.diff(np.sort(self.axial)))) if self.axial.size > 1 else 0.0
+
+    def rings(self, rows: NDArray[np.integer] | slice) -> "Profile":
+        """Some of the rings only."""
+        return Profile(
+            self.axial[rows],
+            self.clock,
+            self.radius[rows],
+            self.axial_position[rows],
+            self.u_independent[rows],
+            self.common_mode[:, rows],
+            self.correlation[rows],
+            self.status[rows],
+            self.name,
+            self.nominal_radius,
+        )
+
+
+def read_profile(out: Path | str) -> Profile:
+    """The profile of the result folder `out`; rings without any radius are left out. Raises InputError."""
+    stored = open_profile(out)
+    columns = {
+        name: np.asarray(stored[name], dtype=float)
+        for name in ("axial", "clock", "radius", "axial_position", "u_independent", "common_mode", "noise_correlation")
+    }
+    columns["correlation"] = columns.pop("noise_correlation")
+    name, nominal = str(stored.attrs.get("title", "")), float(stored.attrs.get("nominal_radius", np.nan))
+    rows = np.flatnonzero(np.isfinite(columns["radius"]).any(axis=1))
+    if rows.size == 0:
+        raise InputError(f"{out} holds no radius at all; nothing was measured there.")
+    whole = Profile(**columns, status=np.asarray(stored["status"]), name=name, nominal_radius=nominal)
+    return whole.rings(rows[np.argsort(columns["axial"][rows], kind="stable")])
