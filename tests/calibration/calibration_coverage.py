@@ -90,7 +90,7 @@ def flat(seed, *, stated):
 def gauges(seed, *, true):
     """Radii at the clocks of four marks in a gauge of 240 mm."""
     rng = np.random.default_rng([15, seed])
-    found, _ = fit_gauges(designed(true, rng), looks_at_gauges(true, rng))
+    found, _ = fit_gauges(designed(true, rng), looks_at_gauges(true, rng, marks=160))
     at = gauge_look(true, 0.24, rng, name="wall", noise=1e-9, marks=4)
     return _of_rig(found, true, (at.u, at.v), near=0.12)
 

@@ -136,7 +136,7 @@ def test_a_known_lens_goes_in_with_its_covariance():
 @pytest.mark.parametrize("stated", [True, False])
 def test_a_stop_whose_reading_is_wrong_is_named_with_its_amount(stated):
     rng = np.random.default_rng(8)
-    true, design, looks = random_head(rng, stated=stated, stops=10, wrong={5: 1.0e-3})
+    true, design, looks = random_head(rng, stated=stated, stops=14, wrong={5: 1.0e-3})
     found, wrong = without_wrong_stops(fit_range(design, looks, known=None), fewest=3)
     assert [one.stop for one in wrong] == [looks[5].name]
     assert wrong[0].off == pytest.approx(1.0e-3, abs=2e-4)

@@ -46,7 +46,7 @@ MISTAKES = {
     "a column missing": (
         lambda f: [voltages(f, name, lambda t: t[:, :-1]) for name in ("signal.csv", "bias.csv")],
         "399 stops a ring.*359.1 deg instead of 360",
-    ),  # fmt: skip
+    ),
     "a cell missing": (ragged, "bias.csv, line 4 has 399 cells, the first row has 400"),
     "text": (lambda f: cell(f, "off"), 'line 3, column 1 holds "off", which is no number'),
     "all missing": (lambda f: voltages(f, "signal.csv", lambda t: np.nan * t), "hold no reading with both voltages"),

@@ -336,11 +336,11 @@ def test_a_laser_that_is_never_lit_in_the_images_given_is_told_so(scan):
     refused(profile(scan), PICTURE.format(0), "laser.takes", "does not name this take", "correct one of them")
 
 
-def test_a_tactile_scan_is_told_to_be_for_a_later_version(scan):
+def test_a_tactile_scan_without_a_probe_is_told_how_to_get_one(scan):
     tables = '[tactile]\nsignal = "scan.toml"\nbias = "scan.toml"\ntip_radius = "1 mm"'
     write_key(scan / "scan.toml", r"\[images\]\npattern.*$", tables)
     write_key(scan / "scan.toml", "^rig = .*\n", "")
-    refused(profile(scan), str(scan), "is a tactile scan", "forward-looking laser rings only")
+    refused(profile(scan), str(scan), "names no probe", "calibore calibrate probe")
 
 
 def test_a_file_that_is_not_text_is_told_so(scan):

@@ -43,18 +43,18 @@ class Mixture:
 
 def take_correlation(rings: list[Ring]) -> float:
     """Correlation of the independent parts of any two of the `rings`, from their differences; 1 where too few."""
-    return _correlation(np.stack([r.radius for r in rings]), np.stack([r.u for r in rings]))
+    return correlation_of(np.stack([r.radius for r in rings]), np.stack([r.u for r in rings]))
 
 
-def _correlation(radius: Array, u: Array) -> float:
-    """The same of takes with `radius` and independent `u` (t, n)."""
+def correlation_of(values: Array, u: Array, *, otherwise: float = 1.0) -> float:
+    """The same of takes with `values` and their independent `u` (t, n); `otherwise` where too few positions are shared."""
     ratios = []
-    for a, b in combinations(range(len(radius)), 2):
-        z = np.abs(radius[a] - radius[b]) / np.hypot(u[a], u[b])
+    for a, b in combinations(range(len(values)), 2):
+        z = np.abs(values[a] - values[b]) / np.hypot(u[a], u[b])
         z = z[np.isfinite(z)]
         if z.size >= FEWEST:
             ratios.append((np.median(z) / NORMAL_HALF) ** 2)
-    return float(np.clip(1 - np.mean(ratios), 0.0, 1.0)) if ratios else 1.0
+    return float(np.clip(1 - np.mean(ratios), 0.0, 1.0)) if ratios else otherwise
 
 
 def combine_takes(rings: list[Ring]) -> tuple[Ring, float]:
@@ -74,9 +74,11 @@ def combine_takes(rings: list[Ring]) -> tuple[Ring, float]:
     return ring, takes.shared
 
 
-def mixed(radius: Array, u: Array, statuses: NDArray[np.uint8]) -> Mixture:
-    """The takes of `radius` (t, n), NaN where they have none, weighted by their independent `u` (t, n)."""
-    shared = _correlation(radius, u)
+def mixed(radius: Array, u: Array, statuses: NDArray[np.uint8], *, otherwise: float = 1.0) -> Mixture:
+    """The takes of `radius` (t, n), NaN where they have none, weighted by their independent `u` (t, n); `otherwise`:
+    their correlation, where they share too few positions to tell.
+    """
+    shared = correlation_of(radius, u, otherwise=otherwise)
     seen = np.isfinite(radius)
     weight = np.where(seen, 1 / np.maximum(u, 1e-12) ** 2, 0.0)
     total = weight.sum(axis=0)

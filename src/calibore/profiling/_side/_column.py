@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from calibore.profiling._grid import SLOPE_REACH, Places, average
 from calibore.profiling._take import TakePoints
-from calibore.profiling._takes import mixed
+from calibore.profiling._takes import correlation_of, mixed
 from calibore.status import Status, has_value
+from calibore.stripe import Stripe
 from calibore.uncertainty import Covariance, propagate
 
 Array = NDArray[np.float64]
@@ -82,11 +83,13 @@ def rows_of(strips: list[Strip], step: float) -> tuple[int, int]:
     return int(rows.min()), int(rows.max()) + 1
 
 
-def one_of_takes(columns: list[Column]) -> tuple[Column, float]:
+def one_of_takes(columns: list[Column], stripes: list[Stripe]) -> tuple[Column, float]:
     """The takes of one stop, on the same rows, as one column, and their correlation (NaN of a single take)."""
     if len(columns) == 1:
         return columns[0], float("nan")
-    takes = mixed(*(np.stack([getattr(column, name) for column in columns]) for name in ("radius", "u", "status")))
+    lines = correlation_of(np.stack([one.u for one in stripes]), np.stack([one.u_position for one in stripes]))
+    radius, u, status = (np.stack([getattr(column, name) for column in columns]) for name in ("radius", "u", "status"))
+    takes = mixed(radius, u, status, otherwise=lines)
     modes, offset, turns = (
         takes.mean([getattr(one, name) for one in columns]) for name in ("modes", "offset", "turns")
     )

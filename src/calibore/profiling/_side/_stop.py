@@ -111,7 +111,7 @@ def evaluate_stop(lines: StopLines, job: SideJob) -> StopResult:
     columns = [
         column_of(strip, job.covariance, step=job.axial_step, rows=rows, stripe=job.rig.stripe) for _, strip in strips
     ]
-    column, shared = one_of_takes(columns)
+    column, shared = one_of_takes(columns, [take.stripe for take in takes])
     numbers = [take for take, _ in strips]
     points = wall_points(takes, numbers, stop.pipe_from_head, stop.clock + np.pi, covariance=job.covariance)
     scale = float(np.mean([take.stripe.scale for take in takes]))
