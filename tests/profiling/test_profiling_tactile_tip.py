@@ -59,6 +59,15 @@ def test_a_slope_is_touched_on_its_shallow_side():
     assert np.allclose(found.radius - deeper_along, RHO * (np.sqrt(1.09) - 1), atol=1e-9)
 
 
+def test_rings_taken_on_the_way_back_tell_the_same():
+    pipe = Pipe((), random_pipe(np.random.default_rng(6), sharp=False).parts, 0.2)
+    clock, axial = np.arange(400) * TURN / 400, np.arange(9) * 0.1 * INCH
+    reading = touched(pipe, clock, axial, tip_radius=RHO)
+    there, back = contact_of(reading, clock, axial), contact_of(reading[::-1], clock, axial[::-1])
+    for name in ("radius", "u", "touch_radius", "touch_clock", "touch_axial"):
+        assert np.allclose(getattr(there, name), getattr(back, name)[::-1], rtol=1e-12, atol=1e-15), name
+
+
 def test_intervals_hold_the_wall_on_slopes_and_off_them():
     """Random walls with dents, cones, rails, openings: 95 % intervals of good points, each kind of place apart."""
     inside = {"level": [], "sloping": []}

@@ -58,7 +58,7 @@ class Gaps:
     """`residual` (p,) [m], reference minus moved, NaN where there is no reference; its `variance` (p,) without common
     errors; `jacobian` (p, 8) of the residual by the motion, `modes` (q, p) by common errors of the moving profile, then
     of the reference; `doubt` (2, p, 8): one standard deviation of the jacobian from noise in either slope of the
-    reference; `axial` [m] and `clock` [rad] (p,) where the points lie on the reference.
+    reference; `axial` [m], `clock` [rad], `radius` [m] (p,) of the moved points.
     """
 
     residual: Array
@@ -68,6 +68,7 @@ class Gaps:
     doubt: Array
     axial: Array
     clock: Array
+    radius: Array
 
 
 def gaps(cloud: Cloud, surface: Surface, motion: Motion, drift: Array | None = None) -> Gaps:
@@ -95,6 +96,7 @@ def gaps(cloud: Cloud, surface: Surface, motion: Motion, drift: Array | None = N
         np.stack(doubt),
         z,
         clock,
+        radius,
     )
 
 

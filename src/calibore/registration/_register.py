@@ -1,7 +1,7 @@
 """Two profiles of one pipe brought into one frame."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,9 @@ class Registration:
 
     `modes` (q,) of the moving profile's, then the reference's common modes as they suit best, N(0, 1) before; `joint`:
     covariance of free parameters, drifts and modes. `gaps` between points and reference; `cloud` the points; robust
-    `weights` (p,), `scatter` of residuals over what the profiles state, `points`: independent ones they are worth.
+    `weights` (p,), `scatter` of residuals over what the profiles state, `points`: independent ones they are worth;
+    `correlation` (k,) of residuals of neighbouring clock positions. `table` (p, s): slopes of the residuals by what
+    `joint` is the covariance of.
     """
 
     motion: Motion
@@ -53,7 +55,9 @@ class Registration:
     weights: Array
     scatter: float
     points: float
-    u_drift: Array | None = field(default=None)
+    correlation: Array
+    table: Array
+    u_drift: Array | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -164,6 +168,8 @@ def _registration(best: Solution, cloud: Cloud, left: Freedom, freedom: Freedom)
         best.weights,
         best.scatter,
         best.points,
+        best.correlation,
+        best.table,
         u_drift,
     )
 

@@ -56,7 +56,8 @@ class Freedom:
 class Solution:
     """`motion`, `drift` (n, 3) of the moving rings, `modes` (q,) as estimated; joint `covariance` of free parameters,
     drifts ring by ring, and modes; the `gaps` there, robust `weights` (p,), `scatter` of residuals over what both
-    profiles state, `correlation` (k,) of neighbours, `points` the number of independent ones they are worth.
+    profiles state, `correlation` (k,) of neighbours, `points` the number of independent ones they are worth;
+    `cost` negative log likelihood of a point; `table` (p, s) slopes of the residuals by all that was solved for.
     """
 
     motion: Motion
@@ -69,6 +70,7 @@ class Solution:
     correlation: Array
     points: float
     cost: float
+    table: Array
 
 
 def solved(cloud: Cloud, surface: Surface, start: Motion, freedom: Freedom, *, about: Motion) -> Solution:
@@ -113,7 +115,7 @@ def _solution(cloud: Cloud, surface: Surface, layout: "_Layout", motion: Motion,
     usable = np.isfinite(found.residual) & np.isfinite(table).all(axis=1)
     cost = cost_of(_left(found, state)[usable], np.sqrt(found.variance[usable]), scatter)
     drift, modes = layout.drift(state), state[layout.modes]
-    return Solution(motion, drift, modes, covariance, found, weights, scatter, correlation, worth, cost)
+    return Solution(motion, drift, modes, covariance, found, weights, scatter, correlation, worth, cost, table)
 
 
 def _left(found: Gaps, state: Array) -> Array:

@@ -18,7 +18,7 @@ MOST_WRONG = 0.15
 KEPT = 0.5
 """A stop of whose marks a robust fit keeps a smaller fraction is wrong as a whole, not some of its marks."""
 FEWEST_FREEDOM = 3.0
-"""Degrees of freedom of a scatter that may stand for a statement that the stops contradict."""
+"""Degrees of freedom of a scatter that tells a wrong stop, or may stand for a statement that the stops contradict."""
 LEAST_SHARED = 1e-9
 """m: stops that scatter by less agree."""
 
@@ -35,7 +35,7 @@ class Suspect(NamedTuple):
 
 
 def suspects(found: RigFit) -> list[Suspect]:
-    """All stops, the most suspect first; none where stops do not scatter.
+    """All stops, the most suspect first; none where stops do not scatter, or too few tell by how much they do.
 
     With the error e of a stop as a parameter of prior N(0, u^2), its posterior mean m and variance V tell what the
     marks and all other stops say of it: m / V times s^2, 1 / s^2 = 1 / V - 1 / u^2, of variance s^2 + u^2. Where u is
@@ -50,6 +50,8 @@ def suspects(found: RigFit) -> list[Suspect]:
     if (u < LEAST_SHARED).any():
         return result
     error, variance = _errors_of_stops(_with_own_scatter(found), u)
+    if not stated and np.sum(1 - variance / u**2) < FEWEST_FREEDOM:
+        return result
     told = 1 / variance - 1 / u**2
     freedom = np.inf if stated else max(float(np.sum(1 - variance / u**2)), 1.0)
     for number, stop in enumerate(found.model.stops):

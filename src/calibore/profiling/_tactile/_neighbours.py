@@ -14,8 +14,8 @@ AXIAL: Axis = 0
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Where the pin stands: `clock` (m,) [rad], a whole turn in equal steps, increasing; `axial` (n,) [m] of the rings;
-    `tip_radius` [m] of the ball at the pin's end.
+    """Where the pin stands: `clock` (m,) [rad], a whole turn in equal steps, increasing; `axial` (n,) [m] of the rings,
+    going one way; `tip_radius` [m] of the ball at the pin's end.
     """
 
     clock: Array
@@ -26,6 +26,11 @@ class Grid:
     def step(self) -> float:
         """Angle [rad] from stop to stop."""
         return 2 * np.pi / self.clock.size
+
+    @property
+    def travel(self) -> float:
+        """1 where the rings follow each other along the pipe, -1 where they come back."""
+        return -1.0 if self.axial[-1] < self.axial[0] else 1.0
 
     def apart(self, radius: Array, axis: Axis, offset: int) -> Array:
         """How far (n, m) [m] the ball's centre is from where it is `offset` stops or rings on; signed like the axis."""

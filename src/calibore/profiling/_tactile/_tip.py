@@ -70,7 +70,7 @@ def touch(radius: Array, grid: Grid, *, good: Mask, noise: float, usual: float) 
         u=np.sqrt(sum(np.square(part) for part in parts)) + 0 * wall,
         touch_radius=np.hypot(outwards, aside) + 0 * wall,
         touch_clock=grid.clock + np.arctan2(aside, outwards) + 0 * wall,
-        touch_axial=grid.axial[:, None] - rho * q / s + 0 * wall,
+        touch_axial=grid.axial[:, None] - grid.travel * rho * q / s + 0 * wall,
     )
 
 
