@@ -16,17 +16,28 @@ from importlib.metadata import version
 from pathlib import Path
 
 PACKAGES = ("calibore", "numpy", "opencv-python-headless", "uncertainties")
-PARTS = ("kernel", "triangulation", "end_to_end_one", "end_to_end_two", "startup")
+PARTS = ("kernel", "side_facing", "triangulation", "end_to_end_one", "end_to_end_two", "startup")
 
 
 def part(name: str, *rest: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
-    from benchmarks import calibration, end_to_end, every_rig, kernel, startup, studies, timing, triangulation
+    from benchmarks import (
+        calibration,
+        end_to_end,
+        every_rig,
+        kernel,
+        side_facing,
+        startup,
+        studies,
+        timing,
+        triangulation,
+    )
 
-    if name in ("kernel", "end_to_end_one"):
+    if name in ("kernel", "side_facing", "end_to_end_one"):
         timing.pin_to_one_core()
     tables = {
         "kernel": kernel.report,
+        "side_facing": side_facing.report,
         "end_to_end_one": lambda: end_to_end.report(1),
         "end_to_end_two": lambda: end_to_end.report(2),
         "startup": startup.report,

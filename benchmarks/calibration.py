@@ -11,8 +11,8 @@ import numpy as np
 
 TESTS = Path(__file__).parents[1] / "tests"
 PROCESSES = 2
-COUNT = {"concentric rings": 300, "boards": 300}
-OTHERWISE = 400
+COUNT = {"concentric rings": 300, "probe": 400}
+OTHERWISE = 200
 SEEDS = 1000
 """From here on; tests use those below."""
 CHUNK = 10

@@ -1,6 +1,7 @@
 """Lines that run down a picture, as a side-facing head sees them: one peak per row."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ def colours(image: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 def test_a_line_down_the_picture_is_that_across_the_transposed_one(kernel: str, estimator: str) -> None:
     image, _ = speckled_line(np.random.default_rng(2), 0.4, columns=300)
-    options = {"kernel": kernel, "estimator": estimator}
+    options: dict[str, Any] = {"kernel": kernel, "estimator": estimator}
     assert_transposed(detect_line(image.T, down=True, **options), detect_line(image, **options))
 
 
@@ -42,9 +43,8 @@ def test_a_line_down_the_picture_is_that_across_the_transposed_one(kernel: str, 
 @pytest.mark.parametrize("gain", [1, 257])
 def test_so_it_is_in_colour_and_in_16_bits(kernel: str, channel: str, gain: int) -> None:
     grey, _ = line_image(np.random.default_rng(3), columns=250)
-    image = colours(grey).astype(np.uint8 if gain == 1 else np.uint16) * np.uint8(gain if gain == 1 else 1)
-    image = image if gain == 1 else image * np.uint16(gain)
-    options = {"kernel": kernel, "channel": channel}
+    image = colours(grey) if gain == 1 else colours(grey).astype(np.uint16) * np.uint16(gain)
+    options: dict[str, Any] = {"kernel": kernel, "channel": channel}
     assert_transposed(detect_line(image.swapaxes(0, 1), down=True, **options), detect_line(image, **options))
 
 
@@ -63,7 +63,8 @@ def test_rows_without_the_line_have_no_number() -> None:
     image[:, 200:300] = 8
     stripe = detect_line(image.T, down=True)
     assert not stripe.found[205:295].any()
-    assert stripe.found[:195].all() and stripe.found[305:].all()
+    assert stripe.found[:195].all()
+    assert stripe.found[305:].all()
 
 
 @pytest.mark.skipif(len(KERNELS) < 2, reason="the native kernel was not built")

@@ -19,8 +19,8 @@ class Difference:
     """Of the radius, moved profile minus reference, on the moved profile's grid (n, m), NaN where either lacks.
 
     `axial` [m] and `clock` [rad] (n, m): where its points lie on the reference; `radius` (n, m) [m] moved. `value` (n,
-    m) [m] with cov = diag(u_independent^2) + sum over `modes` (k, n, m) of m m^T: noise of both, doubt between the
-    reference's points and beside edges; calibration of both and alignment.
+    m) [m]: its noise `u_independent` of both (n, m), calibration of both and alignment `modes` (k, n, m), and `missed`
+    (n, m): a standard deviation of what lies between the points of either and beside edges, alike for neighbours.
 
     `adjusted` (n, m) is `value` without what calibration errors of both, as they suit best, explain: what is left is
     the wall's. Its common part is `adjusted_modes`.
@@ -32,6 +32,7 @@ class Difference:
     radius: Array
     value: Array
     u_independent: Array
+    missed: Array
     modes: Array
     adjusted: Array
     adjusted_modes: Array
@@ -39,13 +40,13 @@ class Difference:
     @property
     def u(self) -> Array:
         """Standard uncertainty (n, m) [m] of `value`."""
-        return np.sqrt(self.u_independent**2 + np.sum(self.modes**2, axis=0))
+        return np.sqrt(self.u_independent**2 + self.missed**2 + np.sum(self.modes**2, axis=0))
 
     @property
     def u_adjusted(self) -> Array:
         """Standard uncertainty (n, m) [m] of `adjusted`; noise counts as it was observed."""
         noise = self.u_independent * max(self.registration.scatter, LEAST_SCATTER)
-        return np.sqrt(noise**2 + np.sum(self.adjusted_modes**2, axis=0))
+        return np.sqrt(noise**2 + self.missed**2 + np.sum(self.adjusted_modes**2, axis=0))
 
 
 def difference(
@@ -84,6 +85,7 @@ def difference_of(registration: Registration, shape: tuple[int, int]) -> Differe
         radius=grid(gaps.radius),
         value=grid(-gaps.residual),
         u_independent=grid(np.sqrt(gaps.variance)),
+        missed=grid(gaps.missed + gone),
         modes=grid((table @ before).T + gone),
         adjusted=grid(-gaps.residual - explained),
         adjusted_modes=grid((table @ after).T + gone),
@@ -91,8 +93,8 @@ def difference_of(registration: Registration, shape: tuple[int, int]) -> Differe
 
 
 def _common(registration: Registration) -> tuple[Array, Array, Array]:
-    """Slopes (p, s) of the residuals by what was solved for, and roots of covariances: of alignment errors together with
-    the calibration errors themselves, and of what is left of both once they are estimated.
+    """Slopes (p, s) of the residuals by what was solved for, and roots of covariances: of alignment errors together
+    with the calibration errors themselves, and of what is left of both once they are estimated.
     """
     table = registration.table
     joint = registration.joint

@@ -74,15 +74,16 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
     estimator_named(estimator)
     if spec.kind != "forward-looking":
         raise InputError(
-            f"{spec.folder} is a {spec.kind} scan; this version profiles images of forward-looking laser rings only."
+            f"{spec.folder} is a {spec.kind} scan, which has no rings in its images; profile_scan takes every kind."
         )
     if spec.rig_path is None:
         raise InputError(f'{spec.folder / "scan.toml"} names no rig; add rig = "rig.toml".')
     rig = read_rig(spec.rig_path)
     if rig.mount != FORWARD or any(isinstance(laser.surface, Beam) for laser in rig.lasers):
         raise InputError(
-            f"{spec.rig_path} describes a {rig.configuration} rig; this version profiles images of forward-looking "
-            "laser rings only."
+            f"{spec.rig_path} describes a {rig.configuration} rig, but {spec.folder / 'scan.toml'} a scan of laser "
+            "rings ahead of the camera; name the rig file that belongs to it (a side-facing head needs {angular} in "
+            "images.pattern, and motion.angular)."
         )
     source, channel, place = open_source(spec, rig)
     try:

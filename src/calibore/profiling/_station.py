@@ -192,8 +192,8 @@ def ring_profile(station: int, placement: Placement, ring: Ring, quantities: Rin
 def wall_points(
     takes: list[TakePoints], numbers: list[int], pose: Pose, roll: float, *, covariance: Covariance
 ) -> RingPoints:
-    """Every ray of the takes with these `numbers`, in the pipe frame; rays without a point are kept with the status that
-    says why. `pose`: pipe_from_rig, rolled by `roll` [rad].
+    """Every ray of the takes with these `numbers`, in the pipe frame; rays without a point are kept with the status
+    that says why. `pose`: pipe_from_rig, rolled by `roll` [rad].
     """
     columns: dict[str, list[Array]] = {name.name: [] for name in fields(RingPoints)}
     for number, take in zip(numbers, takes, strict=True):

@@ -47,7 +47,7 @@ def take_correlation(rings: list[Ring]) -> float:
 
 
 def correlation_of(values: Array, u: Array, *, otherwise: float = 1.0) -> float:
-    """The same of takes with `values` and their independent `u` (t, n); `otherwise` where too few positions are shared."""
+    """The same of takes with `values` and independent `u` (t, n); `otherwise` where too few positions are shared."""
     ratios = []
     for a, b in combinations(range(len(values)), 2):
         z = np.abs(values[a] - values[b]) / np.hypot(u[a], u[b])

@@ -16,12 +16,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """The points (p) of a moving profile, ring by ring: `points` (p, 3), `variance` (p,) [m^2] of their radii, with the
-    doubt beside edges, `modes` (q, p) [m], `ring` and `position` (p,) of the grid, which has `positions` per ring.
+    """The points (p) of a moving profile, ring by ring: `points` (p, 3), `variance` (p,) [m^2] of their radii from noise,
+    `missed` (p,) [m] beside edges, `modes` (q, p) [m], `ring` and `position` (p,) of the grid, which has `positions`
+    per ring.
     """
 
     points: Array
     variance: Array
+    missed: Array
     modes: Array
     ring: NDArray[np.intp]
     position: NDArray[np.intp]
@@ -32,15 +34,22 @@ class Cloud:
         ring, position = np.nonzero(profile.measured)
         x, y = xy_of(profile.clock[position], profile.radius[ring, position])
         points = np.stack([x, y, profile.axial_position[ring, position]], axis=1)
-        variance = profile.u_independent**2 + (RESOLUTION * clock_bends(profile)) ** 2
+        missed = RESOLUTION * clock_bends(profile)
         return cls(
-            points, variance[ring, position], profile.common_mode[:, ring, position], ring, position, profile.clock.size
+            points,
+            profile.u_independent[ring, position] ** 2,
+            missed[ring, position],
+            profile.common_mode[:, ring, position],
+            ring,
+            position,
+            profile.clock.size,
         )
 
     def only(self, rows: NDArray[np.intp]) -> "Cloud":
         return Cloud(
             self.points[rows],
             self.variance[rows],
+            self.missed[rows],
             self.modes[:, rows],
             self.ring[rows],
             self.position[rows],
@@ -55,20 +64,26 @@ class Cloud:
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """`residual` (p,) [m], reference minus moved, NaN where there is no reference; its `variance` (p,) without common
-    errors; `jacobian` (p, 8) of the residual by the motion, `modes` (q, p) by common errors of the moving profile, then
+    """`residual` (p,) [m], reference minus moved, NaN where there is no reference; its `variance` (p,) from
+    noise, and `missed` (p,) [m] between points and beside edges, a standard deviation, alike for neighbours; `jacobian` (p, 8) of the residual by the motion, `modes` (q, p) by common errors of the moving profile, then
     of the reference; `doubt` (2, p, 8): one standard deviation of the jacobian from noise in either slope of the
     reference; `axial` [m], `clock` [rad], `radius` [m] (p,) of the moved points.
     """
 
     residual: Array
     variance: Array
+    missed: Array
     jacobian: Array
     modes: Array
     doubt: Array
     axial: Array
     clock: Array
     radius: Array
+
+    @property
+    def total(self) -> Array:
+        """Variance (p,) [m^2] of a residual, common errors apart."""
+        return self.variance + self.missed**2
 
 
 def gaps(cloud: Cloud, surface: Surface, motion: Motion, drift: Array | None = None) -> Gaps:
@@ -91,6 +106,7 @@ def gaps(cloud: Cloud, surface: Surface, motion: Motion, drift: Array | None = N
     return Gaps(
         place.radius - radius,
         cloud.variance * motion.scale**2 + place.variance,
+        np.hypot(cloud.missed, place.missed),
         jacobian,
         np.concatenate([-motion.scale * cloud.modes, place.modes]),
         np.stack(doubt),
@@ -109,5 +125,6 @@ def _drifted(points: Array, drift: Array) -> Array:
 def residual_of(cloud: Cloud, surface: Surface, motion: Motion) -> tuple[Array, Array]:
     """Residual and variance only, for trying many motions."""
     x, y, z = motion.apply(cloud.points).T
-    radius, variance = surface.heights(z, clock_of(x, y))
-    return radius - np.hypot(x, y), cloud.variance * motion.scale**2 + variance
+    radius, variance, missed = surface.heights(z, clock_of(x, y))
+    total = cloud.variance * motion.scale**2 + variance + cloud.missed**2 + missed**2
+    return radius - np.hypot(x, y), total

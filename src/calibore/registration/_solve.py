@@ -105,15 +105,15 @@ def _solution(cloud: Cloud, surface: Surface, layout: "_Layout", motion: Motion,
     weights, scatter = _weights(found, state, table, layout)
     information, _ = _normal(table, found, _left(found, state), weights, scatter)
     known = _known(information, layout, found, cloud, weights, scatter)
-    relative = _left(found, state) / (scatter * np.sqrt(found.variance))
+    relative = _left(found, state) / (scatter * np.sqrt(found.total))
     correlation, effect = design_effect(relative, weights, cloud)
-    root = np.sqrt(weights / found.variance) / scatter
-    scores = scores_covariance(table * np.where(weights > 0, root, 0.0)[:, None], cloud, correlation)
+    root = np.sqrt(weights / found.total) / scatter
+    scores = scores_covariance(np.where(weights[:, None] > 0, table * root[:, None], 0.0), cloud, correlation)
     inverse = np.linalg.inv(known)
     covariance = inverse @ (scores * effect + layout.prior) @ inverse
     worth = float(weights.sum() / (effect * (1 + 2 * correlation.sum())))
     usable = np.isfinite(found.residual) & np.isfinite(table).all(axis=1)
-    cost = cost_of(_left(found, state)[usable], np.sqrt(found.variance[usable]), scatter)
+    cost = cost_of(_left(found, state)[usable], np.sqrt(found.total[usable]), scatter)
     drift, modes = layout.drift(state), state[layout.modes]
     return Solution(motion, drift, modes, covariance, found, weights, scatter, correlation, worth, cost, table)
 
@@ -131,21 +131,21 @@ def _weights(found: Gaps, state: Array, table: Array, layout: "_Layout") -> tupl
             f"Only {np.count_nonzero(usable)} of {usable.size} points of the moving profile lie on the reference; "
             "check that both cover the same stretch of pipe, and the origins of their motion tables."
         )
-    relative = _left(found, state) / np.sqrt(found.variance)
+    relative = _left(found, state) / np.sqrt(found.total)
     scatter = scale_of(relative[usable])
     return np.where(usable, tukey(np.where(usable, relative, 0.0) / scatter), 0.0), scatter
 
 
 def _normal(table: Array, found: Gaps, left: Array, weights: Array, scatter: float) -> tuple[Array, Array]:
     used = weights > 0
-    root = np.sqrt(weights[used] / found.variance[used]) / scatter
+    root = np.sqrt(weights[used] / found.total[used]) / scatter
     rows = table[used] * root[:, None]
     return rows.T @ rows, -rows.T @ (left[used] * root)
 
 
 def _known(information: Array, layout: "_Layout", found: Gaps, cloud: Cloud, weights: Array, scatter: float) -> Array:
     """(s, s) the information without what noise in slopes makes it look, with what was known before."""
-    false = layout.false_information(found, cloud.ring, weights / (scatter**2 * found.variance))
+    false = layout.false_information(found, cloud.ring, weights / (scatter**2 * found.total))
     return _positive(information - false) + layout.prior
 
 
@@ -153,7 +153,7 @@ def told(cloud: Cloud, surface: Surface, motion: Motion, names: tuple[str, ...])
     """Those of the parameters `names` of which the wall's slopes tell more than their noise would by chance."""
     found = gaps(cloud, surface, motion)
     usable = np.isfinite(found.residual)
-    weight = 1 / found.variance[usable]
+    weight = 1 / found.total[usable]
     kept = []
     for name in names:
         column = Motion.names.index(name)

@@ -1,7 +1,7 @@
 """The reference profile between its points: radius, slopes, and how well each is known there.
 
-Linear between the four points around; without all four there is no value. What a straight line between points misses
-is estimated from the bends next to it and counts as uncertainty. Slopes are taken over as
+Linear between the four points around, along the pipe with the mean bend of a ring and its neighbours where that is more
+than noise; without all four there is no value. What bends otherwise leave open counts as uncertainty. Slopes are taken over as
 many points as lie on one slope, so that little noise is left in them, and how much is known.
 """
 
@@ -28,7 +28,10 @@ AGREEING = 5.0
 FAR = 0.25
 """Of the radius: rings no further than that on each side may share a slope."""
 PARABOLA = 0.5
-"""t (1 - t) / 2 of the second difference from ring to ring is what a chord misses of a parabola."""
+"""Of t (1 - t) times the second difference from ring to ring: a wall that bends at one of the rings, not evenly, is so
+far from the cubic; a wall that steps between them may be further."""
+EVIDENT = 3.0
+"""Standard deviations of noise beyond which a bend is one."""
 RESOLUTION = 0.25
 """Of the second difference round the clock: how far a radius beside an edge may be off, wherever it lies between clock
 positions. A profile holds means over its clock steps, and an edge may run anywhere through one."""
@@ -39,8 +42,8 @@ INTERPOLATION_STEPS = 3
 @dataclass(frozen=True, eq=False)
 class Place:
     """What the reference is at n places: `radius` [m], its slopes `by_axial` [m/m] and `by_clock` [m/rad] with the
-    variances of their noise, `variance` [m^2] of radius from noise and interpolation, `modes` (q, n) [m]; NaN where it
-    is not known.
+    variances of their noise, `variance` [m^2] of radius from noise, `missed` [m] a standard deviation of what lies
+    between the points and is alike for neighbours, `modes` (q, n) [m]; NaN where it is not known.
     """
 
     radius: Array
@@ -49,19 +52,21 @@ class Place:
     noise_by_axial: Array
     noise_by_clock: Array
     variance: Array
+    missed: Array
     modes: Array
 
 
 @dataclass(frozen=True, eq=False)
 class _Between:
-    """The four points of the grid around each of p places: `row`, `column`, `weight` (4, p), and `t` (p,), how far from
-    the ring before to the one after.
+    """The four points of the grid around each of p places: `row`, `column`, `weight` (4, p), and how far it is from
+    the ring before to the one after, `t` (p,), and from the clock position before to the one after, `s` (p,).
     """
 
     row: Whole
     column: Whole
     weight: Array
     t: Array
+    s: Array
 
     def mean(self, values: Array, *, squared: bool = False) -> Array:
         """(..., p) of `values` (..., n, m); `squared`: of variances of independent values."""
@@ -130,21 +135,58 @@ class Surface:
         between = self._between(axial, clock)
         by_axial, noise_by_axial = between.mean(self.axial_slopes)
         by_clock, noise_by_clock = between.mean(self.clock_slopes)
-        radius, variance = self._heights(between)
-        modes = between.mean(self.profile.common_mode)
-        return Place(radius, by_axial, by_clock, noise_by_axial, noise_by_clock, variance, modes)
+        heights, modes = self._heights(between), between.mean(self.profile.common_mode)
+        radius, variance, missed = heights
+        return Place(radius, by_axial, by_clock, noise_by_axial, noise_by_clock, variance, missed, modes)
 
-    def heights(self, axial: Array, clock: Array) -> tuple[Array, Array]:
-        """Radius and variance only (p,)."""
+    def heights(self, axial: Array, clock: Array) -> tuple[Array, Array, Array]:
+        """Radius, variance of its noise, and what may be missed, only (p,)."""
         return self._heights(self._between(axial, clock))
 
-    def _heights(self, between: "_Between") -> tuple[Array, Array]:
+    def _heights(self, between: "_Between") -> tuple[Array, Array, Array]:
         t, mean = between.t, between.mean
-        missed = np.stack([PARABOLA * t * (1 - t) * mean(self.axial_bends), RESOLUTION * mean(self.clock_bends)])
         outside = np.maximum(np.maximum(-t, t - 1), 0.0)
-        beyond = np.where(outside > 0, outside * mean(self.axial_bends), 0.0)
-        noise = between.mean(self.profile.u_independent**2, squared=True)
-        return mean(self.profile.radius), noise + np.sum(missed**2, axis=0) + beyond**2
+        along = np.where(outside > 0, outside, PARABOLA * t * (1 - t)) * mean(self.axial_bends)
+        missed = np.hypot(along, RESOLUTION * mean(self.clock_bends))
+        noise = mean(self.profile.u_independent**2, squared=True)
+        return mean(self.profile.radius) + self._bent(between), noise, missed
+
+    def _bent(self, between: "_Between") -> Array:
+        """What a cubic through slopes that are means of both sides' (Catmull and Rom 1974) adds to a straight line."""
+        if self.centres.size < 3:
+            return np.zeros(between.t.shape)
+        t = np.clip(between.t, 0.0, 1.0)
+        rises, curved = self._rises, self._curved
+        before, after = between.row[0], between.row[2]
+        excess = np.zeros((2, *between.t.shape))
+        for number, row in enumerate((before, after)):
+            for column, share in ((between.column[0], 1 - between.s), (between.column[1], between.s)):
+                length = self._spans[before, column]
+                own = np.where(curved[row, column], self._central[row, column] * length - rises[before, column], 0.0)
+                excess[number] += share * own
+        return t * (1 - t) * ((1 - t) * excess[0] - t * excess[1])
+
+    @cached_property
+    def _spans(self) -> Array:
+        """(n - 1, m) [m] from each ring to the next, at the same clock."""
+        return np.diff(self.profile.axial_position, axis=0)
+
+    @cached_property
+    def _rises(self) -> Array:
+        """(n - 1, m) [m] the same of the radius."""
+        return np.diff(self.profile.radius, axis=0)
+
+    @cached_property
+    def _central(self) -> Array:
+        """(n, m) [m/m] the mean of the slopes on both sides; one-sided at the ends, NaN beside gaps."""
+        slopes = self._rises / self._spans
+        return np.concatenate([slopes[:1], (slopes[:-1] + slopes[1:]) / 2, slopes[-1:]])
+
+    @cached_property
+    def _curved(self) -> NDArray[np.bool_]:
+        """(n, m) where rings bend by more than their noise."""
+        noise = np.sqrt(6) * np.nan_to_num(self.profile.u_independent, nan=np.inf)
+        return (self.axial_bends > EVIDENT * noise) & np.isfinite(self._central)
 
     def _between(self, axial: Array, clock: Array) -> "_Between":
         row, t = self._rows(axial, clock)
@@ -152,7 +194,7 @@ class Surface:
         below = np.minimum(row + 1, self.centres.size - 1)
         t = np.where(close, t, np.nan)
         weights = np.stack([(1 - t) * (1 - s), (1 - t) * s, t * (1 - s), t * s])
-        return _Between(np.stack([row, row, below, below]), np.stack([column, following] * 2), weights, t)
+        return _Between(np.stack([row, row, below, below]), np.stack([column, following] * 2), weights, t, s)
 
     def _rows(self, axial: Array, clock: Array) -> tuple[Whole, Array]:
         """The ring before each place, and how far it lies from there to the next (0 ... 1, a little beyond at the

@@ -41,7 +41,7 @@ class ClockGrid:
     @property
     def clocks(self) -> Array:
         """(count,) [rad]."""
-        return self.first + np.arange(self.count) * self.step
+        return np.asarray(self.first + np.arange(self.count) * self.step, dtype=np.float64)
 
     def nearest(self, clock: float) -> int:
         """Number of the position next to `clock` [rad]."""
@@ -49,5 +49,5 @@ class ClockGrid:
 
     def offset(self, clock: ArrayLike, position: int) -> Array:
         """How far `clock` (n,) [rad] lies from a position, the short way round."""
-        away = np.asarray(clock, dtype=float) - self.clocks[position]
-        return np.asarray(np.mod(away + np.pi, FULL_TURN) - np.pi)
+        away = np.asarray(clock, dtype=np.float64) - float(self.clocks[position])
+        return np.asarray(np.mod(away + np.pi, FULL_TURN) - np.pi, dtype=np.float64)

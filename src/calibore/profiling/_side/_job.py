@@ -85,8 +85,8 @@ def _axial_step(spec: ScanSpec, rig: Rig) -> float:
     said = spec.axial_step
     if said is not None and said < rows:
         raise InputError(
-            f"{spec.folder / 'scan.toml'}: grid.axial_step = {1e3 * said:.4g} mm is finer than the rows of the pictures, "
-            f"which lie {1e3 * rows:.4g} mm apart on the nominal wall; give at least that, or leave it out."
+            f"{spec.folder / 'scan.toml'}: grid.axial_step = {1e3 * said:.4g} mm is finer than the rows of the "
+            f"pictures, which lie {1e3 * rows:.4g} mm apart on the nominal wall; give at least that, or leave it out."
         )
     if said is not None:
         return said

@@ -15,8 +15,8 @@ DISAGREE = 4.0
 
 
 def merged(columns: Sequence[Column]) -> Column:
-    """One column over all rows of `columns`: of least variance where several stops saw one wall; where they differ, what
-    agrees with their weighted median.
+    """One column over all rows of `columns`: of least variance where several stops saw one wall; where they differ,
+    what agrees with their weighted median.
     """
     if len(columns) == 1:
         return columns[0]
@@ -28,7 +28,7 @@ def merged(columns: Sequence[Column]) -> Column:
     seen = np.isfinite(radius)
     usable = _agreeing(radius, u, modes, seen)
     weight = least_variance_weights(u, modes, usable)
-    found = seen.any(axis=0)
+    found = np.asarray(seen.any(axis=0))
 
     def mean(table: Array) -> Array:
         by = weight if table.ndim == 2 else weight[:, None, :]
@@ -93,8 +93,8 @@ def _agreeing(radius: Array, u: Array, modes: Array, seen: NDArray[np.bool_]) ->
 def _status(
     status: NDArray[np.uint8], weight: Array, found: NDArray[np.bool_], left_out: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:
-    """The best of those that count; RESOLVED where one was left out, EXTRAPOLATED where the value is so in part. Without
-    a value that of the first stop which has a reason.
+    """The best of those that count; RESOLVED where one was left out, EXTRAPOLATED where the value is so in part.
+    Without a value, the least of the reasons.
     """
     counted = np.where(weight > 0, status, 255).min(axis=0)
     counted = np.where((left_out.any(axis=0)) & (counted == Status.OK), Status.RESOLVED, counted)

@@ -38,7 +38,7 @@ class Stop:
 
     @property
     def pipe_from_head(self) -> Pose:
-        """y of the head's frame points radially outwards at its clock."""
+        """The y of the head's frame points radially outwards at its clock."""
         return self.placement.pipe_from_rig @ Pose.from_roll_pitch_yaw(self.clock - self.placement.roll + np.pi)
 
 

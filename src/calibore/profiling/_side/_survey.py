@@ -23,7 +23,8 @@ from calibore.profiling._station import StationRefusedError, ring_profile, ring_
 from calibore.profiling._summary import Tally, summarise
 from calibore.scans import ResultWriter, RingPoints, RingProfile, ScanSpec
 
-NO_POINTS = RingPoints(**{column.name: np.zeros(0, dtype=np.uint8) for column in fields(RingPoints)})
+_NONE: list[Any] = [np.zeros(0, dtype=np.uint8)]
+NO_POINTS = RingPoints(*_NONE * len(fields(RingPoints)))
 """The points were written stop by stop."""
 SPARSE = 0.999
 """Share of the clock positions below which a summary says how many were photographed."""
@@ -130,7 +131,7 @@ def _summary(spec: ScanSpec, job: SideJob, tally: Tally, wall: Wall, stops: Sequ
     }
     if wall.visited < SPARSE:
         summary["warnings"].append(
-            f"{len(wall.columns)} of {wall.clocks.count} clock positions were photographed; what ring quantities say of "
-            "the wall between them is bridged."
+            f"{len(wall.columns)} of {wall.clocks.count} clock positions were photographed; what ring quantities say "
+            "of the wall between them is bridged."
         )
     return summary

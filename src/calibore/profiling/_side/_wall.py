@@ -41,7 +41,7 @@ class Wall:
         return [] if not known else np.mean(known, axis=0).tolist()
 
     def _ring(self, number: int) -> Ring:
-        """One row, its values moved from the clocks where the points lie to those of the grid, along the wall's slope."""
+        """One row, moved along the wall's slope from the clocks where its points lie to those of the grid."""
         modes = len(next(iter(self.columns.values())).modes)
         nobody = empty_column(number, number + 1, modes)
         cells = [_cell(self.columns.get(position), number, nobody) for position in range(self.clocks.count)]

@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 BEYOND = 0.02
 """Of the calibrated stroke: further outside, a reading is extrapolated."""
 DEFAULT_DRIFT = 0.001 * 0.0254 / np.sqrt(3)
-"""m; limits of 0.001 in, the repeatability that makers state of such cylinders."""
+"""m; limits of 0.001 in, the mechanical repeatability that Bimba states of its position feedback cylinders: an
+assumption, for repeatability is not drift, and nothing in a scan tells drift from a taper of the pipe."""
 
 
 @dataclass(frozen=True, eq=False)
