@@ -113,6 +113,29 @@ def board_calibration(seed=1, *, law="equidistant", fitted="equidistant", boards
     )
 
 
+def told_before(calibration, *, size, seed=1):
+    """The board calibration fitted once more with what somebody else knew of the camera before, `size` times what its
+    boards tell: a truth of 430 px and so on, drawn with a correlated covariance.
+    """
+    seen, count = calibration.observations, len(LENS)
+    truth = np.array([430.0, -0.02, 0.0, 515.0, 380.0])
+    spread = size * np.linalg.cholesky(calibration.covariance.matrix) @ np.diag([1.0, 1.5, 0.7, 1.0, 0.8])
+    told = truth + spread @ np.random.default_rng([2, seed]).normal(size=count)
+    rows = np.linalg.inv(spread) @ np.eye(count, len(seen.names))
+    before = np.array([calibration.values[name] for name in LENS])
+    table = np.concatenate([seen.jacobian / calibration.noise, rows])
+    aims = np.concatenate([seen.residual / calibration.noise, np.linalg.solve(spread, told - before)])
+    change = np.linalg.lstsq(table, aims)[0]
+    values = before + change[:count]
+    prior = np.column_stack([rows, np.linalg.solve(spread, told - values)])
+    return replace(
+        calibration,
+        values=dict(zip(LENS, values.tolist(), strict=True)),
+        covariance=Covariance(LENS, np.linalg.inv(table.T @ table)[:count, :count]),
+        observations=replace(seen, residual=seen.residual - seen.jacobian @ change, prior=prior),
+    )
+
+
 def rig_calibration(seed=1):
     """The board calibration's camera in a plane rig, whose light a target stood in: one covariance of both."""
     from calibore.calibration._planning._plan import plan

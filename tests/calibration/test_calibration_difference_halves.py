@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_calibrations import LENS, RADIUS, board_calibration, rig_calibration
+from made_calibrations import LENS, RADIUS, board_calibration, rig_calibration, told_before
 from scipy.stats import kstest
 
 from calibore.calibration import halves
@@ -17,6 +17,30 @@ def test_halves_of_a_good_calibration_differ_as_much_as_its_covariance_says():
     ratio = np.sqrt(np.median([one.rms**2 for one in found]) / np.median([one.expected**2 for one in found]))
     assert 0.5 < ratio < 1.4  # the median of a square of few degrees of freedom lies below its mean
     assert all(one.parts == ("pictures", 4, 4) for one in found)
+
+
+@pytest.mark.parametrize("size", [0.1, 1.0, 10.0])
+def test_what_was_known_of_the_camera_before_is_no_difference_of_halves(size):
+    """Both halves were told the same, be it much less or much more than they see."""
+    found = [halves(told_before(board_calibration(seed, boards=8), size=size, seed=seed)) for seed in range(1, 17)]
+    assert kstest([one.p for one in found], "uniform").pvalue > 0.001
+    ratio = np.sqrt(np.median([one.rms**2 for one in found]) / np.median([one.expected**2 for one in found]))
+    assert 0.5 < ratio < 1.4
+    assert all(("hardly check it" in one.verdict()) == (size < 1) for one in found)
+
+
+def test_what_was_known_before_hides_no_lens_that_no_model_describes():
+    bent = told_before(board_calibration(4, boards=10, noise=0.02, bent=0.7), size=1.0)
+    assert halves(bent).p < 1e-3
+
+
+def test_errors_that_both_halves_share_are_no_difference():
+    """Of one print on all pictures: groups that reach over both halves shift them alike."""
+    calibration = board_calibration(1)
+    seen = calibration.observations
+    own = halves(replace(calibration, group_sigma=0.3))
+    print_of_all = replace(seen, group=np.arange(seen.group.size) % np.bincount(seen.file)[0])
+    assert halves(replace(calibration, group_sigma=0.3, observations=print_of_all)).expected < 0.5 * own.expected
 
 
 def test_halves_agree_with_two_fits_of_the_pictures():

@@ -23,9 +23,9 @@ LEAST_WIDTH = 1.0
 @dataclass(frozen=True, eq=False)
 class Region:
     """`cells` (n, m) of the difference; `axial` [m], `clock` [rad] of its middle; `area` [m2] of wall; `depth` [m] of
-    the change at its deepest, between rings too where it lies on several; `mean` [m], `volume` [m3]. Positive: the radius
-    has grown. `measured_depth` [m]: of the deepest single point; `shaped`: whether depth and place are those of a bell
-    fitted to the region, else of its points.
+    the change at its deepest, between rings too where it lies on several; `mean` [m], `volume` [m3]. Positive: the
+    radius has grown. `measured_depth` [m]: of the deepest single point; `shaped`: whether depth and place are
+    those of a bell fitted to the region, else of its points.
     """
 
     cells: Mask

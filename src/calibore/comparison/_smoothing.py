@@ -10,8 +10,8 @@ from calibore.comparison._difference import LEAST_SCATTER, Difference
 
 Array = NDArray[np.float64]
 
-CLOCKS = (1, 3, 7, 15, 31)
-"""Clock positions of the windows."""
+CLOCKS = (3, 7, 15, 31)
+"""Clock positions of the windows; a single point, however far off, is dirt or a stray peak before it is a change."""
 RINGS = (1, 3, 7)
 """Rings of the windows, where rings are close."""
 CLOSE = 0.05
@@ -39,8 +39,8 @@ def windows_of(difference: Difference) -> tuple[Window, ...]:
 @dataclass(frozen=True, eq=False)
 class Smoother:
     """Weighted means of fields (..., n, m) over windows. Noise of `variance` (n, m), NaN where not known, is correlated
-    along the clock by `correlation` (k,) and averages out; `missed` (n, m), alike for neighbours, and common `modes` (q,
-    n, m) do not.
+    along the clock by `correlation` (k,) and averages out; `missed` (n, m), alike for neighbours, and common `modes`
+    (q, n, m) do not.
     """
 
     variance: Array

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from calibore.geometry import clock_of, xy_of
 from calibore.registration._motion import Motion
-from calibore.registration._surface import RESOLUTION, Surface, clock_bends
+from calibore.registration._slopes import clock_bends
+from calibore.registration._surface import RESOLUTION, Surface
 from calibore.scans import Profile
 
 Array = NDArray[np.float64]
@@ -16,9 +17,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """The points (p) of a moving profile, ring by ring: `points` (p, 3), `variance` (p,) [m^2] of their radii from noise,
-    `missed` (p,) [m] beside edges, `modes` (q, p) [m], `ring` and `position` (p,) of the grid, which has `positions`
-    per ring.
+    """The points (p) of a moving profile, ring by ring: `points` (p, 3), `variance` (p,) [m^2] of their radii from
+    noise, `missed` (p,) [m] beside edges, `modes` (q, p) [m], `ring` and `position` (p,) of the grid, `positions` per
+    ring.
     """
 
     points: Array
@@ -64,10 +65,11 @@ class Cloud:
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """`residual` (p,) [m], reference minus moved, NaN where there is no reference; its `variance` (p,) from
-    noise, and `missed` (p,) [m] between points and beside edges, a standard deviation, alike for neighbours; `jacobian` (p, 8) of the residual by the motion, `modes` (q, p) by common errors of the moving profile, then
-    of the reference; `doubt` (2, p, 8): one standard deviation of the jacobian from noise in either slope of the
-    reference; `axial` [m], `clock` [rad], `radius` [m] (p,) of the moved points.
+    """`residual` (p,) [m], reference minus moved, NaN where there is no reference; its `variance` (p,) from noise, and
+    `missed` (p,) [m] between points and beside edges, a standard deviation, alike for neighbours; `jacobian` (p, 8) of
+    the residual by the motion, `modes` (q, p) by common errors of the moving profile, then of the reference; `doubt`
+    (2, p, 8): one standard deviation of the jacobian from noise in either slope of the reference; `axial` [m], `clock`
+    [rad], `radius` [m] (p,) of the moved points.
     """
 
     residual: Array

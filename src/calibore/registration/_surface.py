@@ -1,17 +1,18 @@
 """The reference profile between its points: radius, slopes, and how well each is known there.
 
 Linear between the four points around, along the pipe with the mean bend of a ring and its neighbours where that is more
-than noise; without all four there is no value. What bends otherwise leave open counts as uncertainty. Slopes are taken over as
+than noise; without all four there is no value. What bends leave open counts as uncertainty. Slopes are taken over as
 many points as lie on one slope, so that little noise is left in them, and how much is known.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
+from calibore.registration._slopes import bend, clock_bends, slopes
 from calibore.scans import Profile
 
 Array = NDArray[np.float64]
@@ -23,13 +24,14 @@ WIDEST = 1.6
 """Median steps of the clock grid between two positions beyond which nothing is known between them."""
 BEYOND = 0.25
 """Of the rings' spacing: as far beyond an end ring its radius still counts, less and less known."""
-AGREEING = 5.0
-"""Standard deviations within which a difference agrees with a slope."""
 FAR = 0.25
 """Of the radius: rings no further than that on each side may share a slope."""
 PARABOLA = 0.5
 """Of t (1 - t) times the second difference from ring to ring: a wall that bends at one of the rings, not evenly, is so
-far from the cubic; a wall that steps between them may be further."""
+far from the cubic. Beside edges it may step anywhere between rings: sqrt(t (1 - t)) of the step is the
+deviation then."""
+SHARP = 20
+"""Clock positions within which an edge tells that walls are stepped."""
 EVIDENT = 3.0
 """Standard deviations of noise beyond which a bend is one."""
 RESOLUTION = 0.25
@@ -93,7 +95,7 @@ class Surface:
             (np.roll(radius, -k, 1) - np.roll(radius, k, 1), 2 * k * self.step, np.roll(u2, -k, 1) + np.roll(u2, k, 1))
             for k in REACHES
         ]
-        return _slopes(pairs)
+        return slopes(pairs)
 
     @cached_property
     def axial_slopes(self) -> Array:
@@ -109,7 +111,7 @@ class Surface:
             even = (k == 1) | ((high - low) == 2 * k)
             apart = np.where(even[:, None], z[high] - z[low], np.nan)
             pairs.append((radius[high] - radius[low], apart, u2[high] + u2[low]))
-        return _slopes(pairs) if count > 1 else np.zeros((2, *radius.shape))
+        return slopes(pairs) if count > 1 else np.zeros((2, *radius.shape))
 
     @property
     def step(self) -> float:
@@ -118,7 +120,7 @@ class Surface:
 
     @cached_property
     def clock_bends(self) -> Array:
-        """(n, m) [m]"""
+        """Size (n, m) [m] of the second difference round the clock."""
         return clock_bends(self.profile)
 
     @cached_property
@@ -127,8 +129,16 @@ class Surface:
         radius, u = self.profile.radius, self.profile.u_independent
         if len(radius) < 3:
             return np.zeros_like(radius)
-        inner = _bend(radius, u, axis=0)[1:-1]
+        inner = bend(radius, u, axis=0)[1:-1]
         return np.concatenate([inner[:1], inner, inner[-1:]])
+
+    @cached_property
+    def _edges(self) -> Array:
+        """(n, m) [m] the sharpest edge round the clock near each point and on the rings next to it: a wall that has
+        edges round the clock may have them along the pipe.
+        """
+        size = (3, 2 * SHARP + 1) if self.centres.size > 1 else (1, 2 * SHARP + 1)
+        return maximum_filter(self.clock_bends, size=size, mode=["nearest", "wrap"])
 
     def at(self, axial: Array, clock: Array) -> Place:
         """The reference at places (p,) given by axial position [m] and clock [rad]."""
@@ -146,8 +156,10 @@ class Surface:
     def _heights(self, between: "_Between") -> tuple[Array, Array, Array]:
         t, mean = between.t, between.mean
         outside = np.maximum(np.maximum(-t, t - 1), 0.0)
-        along = np.where(outside > 0, outside, PARABOLA * t * (1 - t)) * mean(self.axial_bends)
-        missed = np.hypot(along, RESOLUTION * mean(self.clock_bends))
+        inside = np.maximum(t * (1 - t), 0.0)
+        along = np.where(outside > 0, outside, PARABOLA * inside) * mean(self.axial_bends)
+        stepped = np.sqrt(inside) * mean(np.minimum(self.axial_bends, self._edges))
+        missed = np.sqrt(along**2 + stepped**2 + (RESOLUTION * mean(self.clock_bends)) ** 2)
         noise = mean(self.profile.u_independent**2, squared=True)
         return mean(self.profile.radius) + self._bent(between), noise, missed
 
@@ -224,38 +236,3 @@ class Surface:
         following = (column + 1) % grid.size
         apart = np.mod(grid[following] - grid[column], turn)
         return column, following, (clock - grid[column]) / apart, apart <= WIDEST * self.step
-
-
-def clock_bends(profile: Profile) -> Array:
-    """(n, m) [m] size of the second difference round the clock, what noise makes of it taken away."""
-    return _bend(profile.radius, profile.u_independent, axis=1)
-
-
-def _slopes(pairs: Iterable[tuple[Array, Array | float, Array]]) -> Array:
-    """(2, n, m) the slope through pairs of differences of radius, over which distances, with which variance, nearest
-    pair first, and its variance. As many pairs count as one straight line suits: beside an edge only the nearest.
-    """
-    total, squares, noise, slope = np.zeros(()), np.zeros(()), np.zeros(()), np.zeros((2, 1, 1))
-    seen: list[tuple[Array, Array | float, Array]] = []
-    for rise, apart, variance in pairs:
-        known = np.isfinite(rise) & np.isfinite(apart)
-        total = total + np.where(known, apart * rise, 0.0)
-        squares = squares + np.where(known, np.square(apart), 0.0)
-        noise = noise + np.where(known, np.square(apart) * variance, 0.0)
-        safe = np.where(squares > 0, squares, 1.0)
-        wider = np.stack([total / safe, noise / safe**2])
-        seen.append((rise, apart, variance))
-        straight = np.all([_suits(wider[0], *one) for one in seen], axis=0)
-        slope = np.where(straight | (len(seen) == 1), wider, slope)
-    return slope
-
-
-def _suits(slope: Array, rise: Array, apart: Array | float, variance: Array) -> NDArray[np.bool_]:
-    """Whether a difference agrees with a slope within its noise, or is not known."""
-    return ~(np.abs(rise - apart * slope) > AGREEING * np.sqrt(variance))
-
-
-def _bend(radius: Array, u: Array, *, axis: int) -> Array:
-    before, after = np.roll(radius, 1, axis=axis), np.roll(radius, -1, axis=axis)
-    square = (before - 2 * radius + after) ** 2 - 6 * np.nan_to_num(u) ** 2
-    return np.sqrt(np.maximum(np.nan_to_num(square), 0.0))

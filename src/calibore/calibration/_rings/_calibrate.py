@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Calibration
+from calibore.calibration._input_files import input_file
 from calibore.calibration._lens_models import lens_models
-from calibore.calibration._pupil._target import input_file
 from calibore.calibration._rings._choice import BASELINE, Trial, recommended, tried
 from calibore.calibration._rings._fit import RingFit, final_fit, fit_all, fit_lens
 from calibore.calibration._rings._model import PLANE, Printed, target_names

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, Strict
 
-from calibore.calibration._calibration import InputFile
 from calibore.calibration._in_words import Unit
-from calibore.calibration._pupil._target import input_file
+from calibore.calibration._input_files import InputFile, input_file
 from calibore.documents import Document, Length, read_document
 from calibore.errors import ImageError, InputError
 from calibore.images import ImageFolder, read_image
