@@ -68,8 +68,26 @@ impl<T: Grey> Plane<'_, T> {
         (upper * PART + y * (lower - upper)) as f64 * (1.0 / ONE as f64)
     }
 
+    /// The pixels that the samples from `first` on fall on, where a track runs along a row or down a column: the nearest and the
+    /// bilinear brightness are theirs.
+    #[inline(always)]
+    fn aligned(&self, track: &Track, first: usize) -> Option<(&[T], usize)> {
+        let pace = match track.step {
+            [ONE, 0] => self.bands,
+            [0, ONE] => self.bands * self.width,
+            _ => return None,
+        };
+        let at = track.at(first);
+        let whole = at.iter().all(|place| *place >= 0 && *place & (ONE - 1) == 0);
+        whole.then(|| (self.data.get(self.index((at[0] >> 32) as usize, (at[1] >> 32) as usize)..).unwrap_or(&[]), pace))
+    }
+
     /// Bilinear brightness of the samples from `first` on, all of which are inside.
     fn interpolate(&self, track: &Track, first: usize, values: &mut [f64]) {
+        if let Some((pixels, pace)) = self.aligned(track, first) {
+            values.iter_mut().zip(pixels.iter().step_by(pace)).for_each(|(value, pixel)| *value = (*pixel).into());
+            return;
+        }
         let ([mut column, mut row], [right, down]) = (track.at(first), track.step);
         let last = [(self.width as i64 - 1) * ONE, (self.height as i64 - 1) * ONE];
         let on_edge = |at: [i64; 2]| at[0] >= last[0] || at[1] >= last[1];
@@ -138,6 +156,15 @@ impl Trace {
         self.stretches.clear();
         let first = first.next_multiple_of(STRIDE);
         let count = end.saturating_sub(first).div_ceil(STRIDE);
+        if let Some((pixels, pace)) = plane.aligned(track, first) {
+            let mut pixels = pixels.iter().step_by(STRIDE * pace);
+            for begin in (0..count).step_by(CHUNK) {
+                let chunk = pixels.by_ref().take(CHUNK.min(count - begin)).enumerate();
+                let bright = chunk.fold(0u64, |bright, (k, pixel)| bright | u64::from(pixel.level() >= gate) << k);
+                self.stretches_of(bright, first + begin * STRIDE);
+            }
+            return;
+        }
         let ([mut column, mut row], [right, down]) = (track.at(first), track.step.map(|step| step * STRIDE as i64));
         for begin in (0..count).step_by(CHUNK) {
             let mut bright = 0u64;
@@ -146,12 +173,17 @@ impl Trace {
                 bright |= u64::from(pixel >= gate) << k;
                 (column, row) = (column + right, row + down);
             }
-            while bright != 0 {
-                let skipped = bright.trailing_zeros() as usize;
-                let length = (bright >> skipped).trailing_ones() as usize;
-                bright &= u64::MAX.checked_shl((skipped + length) as u32).unwrap_or(0);
-                self.stretch(first + (begin + skipped) * STRIDE, first + (begin + skipped + length - 1) * STRIDE);
-            }
+            self.stretches_of(bright, first + begin * STRIDE);
+        }
+    }
+
+    /// Notes the bright stretches of a chunk whose first sample is `first`.
+    fn stretches_of(&mut self, mut bright: u64, first: usize) {
+        while bright != 0 {
+            let skipped = bright.trailing_zeros() as usize;
+            let length = (bright >> skipped).trailing_ones() as usize;
+            bright &= u64::MAX.checked_shl((skipped + length) as u32).unwrap_or(0);
+            self.stretch(first + skipped * STRIDE, first + (skipped + length - 1) * STRIDE);
         }
     }
 

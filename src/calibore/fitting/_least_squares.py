@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from calibore.errors import InputError
-from calibore.fitting._chains import WHITE, Autoregression, LagMoments, order_of
+from calibore.fitting._chains import WHITE, LagMoments
 from calibore.fitting._confidence import confidence
 from calibore.fitting._fit import Fit, Ties, satterthwaite
 from calibore.fitting._likelihood import Unknowns, most_likely, unknowns_of
 from calibore.fitting._minimise import minimise
 from calibore.fitting._mixed import MixedModel, Scatter, Solution
+from calibore.fitting._order import largest_order, of_likeliest_order
 from calibore.fitting._outliers import FAINTEST, agreeing, first_deviation, resistant
 from calibore.fitting._problem import Mask, Model, Prior, Problem, Rows, check_bounds, posed
 from calibore.fitting._rank import spectrum, triangle
@@ -132,35 +133,32 @@ def _estimated(
     spare = rows.index.size - len(values) + len(problem.aims)
     noise = known.noise or max(float(np.sqrt(residuals @ residuals / max(spare, 1))), faintest)
     basis = spectrum(triangle(np.concatenate([jacobian / noise, problem.known]))).basis
-    if scatter is None:
-        chained = bool((problem.chain >= 0).any())
-        scatter = _guessed(residuals, rows, known, spare=spare, chained=chained, faintest=faintest)
     table = np.column_stack([jacobian @ basis, rows.loads.toarray(), residuals])
-    model = MixedModel(
-        LagMoments(table, rows.position, scatter.chain.order),
-        basis.shape[1],
-        np.column_stack([problem.known @ basis, problem.aims - problem.known @ values]),
-    )
-    unknowns = unknowns_of(
-        model,
-        scatter,
-        noise_known=known.noise is not None,
-        group_known=known.group_sigma is not None,
-        least_noise=faintest**2,
-    )
-    return Estimate(rows, model.at(most_likely(model, unknowns)), unknowns, basis)
+    aside = np.column_stack([problem.known @ basis, problem.aims - problem.known @ values])
+
+    def posed_from(start: Scatter) -> tuple[MixedModel, Unknowns]:
+        model = MixedModel(LagMoments(table, rows.position, start.chain.order), basis.shape[1], aside)
+        known_noise, known_group = known.noise is not None, known.group_sigma is not None
+        least = faintest**2
+        return model, unknowns_of(model, start, noise_known=known_noise, group_known=known_group, least_noise=least)
+
+    if scatter is not None:
+        model, unknowns = posed_from(scatter)
+        return Estimate(rows, model.at(most_likely(model, unknowns)), unknowns, basis)
+    white = _guessed(residuals, rows, known, spare=spare, faintest=faintest)
+    largest = largest_order(rows.position) if (problem.chain >= 0).any() else 0
+    return Estimate(rows, *of_likeliest_order(posed_from, white, largest=largest), basis)
 
 
-def _guessed(residuals: Array, rows: Rows, known: Known, *, spare: int, chained: bool, faintest: float) -> Scatter:
-    """Where the search for the scatter begins: groups' means, and what remains without them."""
+def _guessed(residuals: Array, rows: Rows, known: Known, *, spare: int, faintest: float) -> Scatter:
+    """Where the search for the scatter begins: groups' means, and what remains without them, taken for white."""
     strength = rows.loads.power(2).sum(axis=0)
     means = (rows.loads.T @ residuals) / np.where(strength > 0, strength, 1.0)
     within = residuals - rows.loads @ means
-    chain = Autoregression(order_of(within, rows.position)) if chained else WHITE
     noise = within @ within / max(spare - np.count_nonzero(strength), 1)
     noise = max(float(noise), faintest**2) if known.noise is None else known.noise**2
     group = float(np.mean(means**2)) if means.size else 0.0
-    return Scatter(noise / chain.variances[0], group if known.group_sigma is None else known.group_sigma**2, chain)
+    return Scatter(noise, group if known.group_sigma is None else known.group_sigma**2, WHITE)
 
 
 def _fit(problem: Problem, values: Array, used: Mask, estimate: Estimate) -> Fit:

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter
+from scipy.ndimage import maximum_filter1d
 
 from calibore.registration._slopes import bend, clock_bends, slopes
 from calibore.scans import Profile
@@ -137,8 +137,8 @@ class Surface:
         """(n, m) [m] the sharpest edge round the clock near each point and on the rings next to it: a wall that has
         edges round the clock may have them along the pipe.
         """
-        size = (3, 2 * SHARP + 1) if self.centres.size > 1 else (1, 2 * SHARP + 1)
-        return maximum_filter(self.clock_bends, size=size, mode=["nearest", "wrap"])
+        around = maximum_filter1d(self.clock_bends, 2 * SHARP + 1, axis=1, mode="wrap")
+        return maximum_filter1d(around, 3, axis=0, mode="nearest")
 
     def at(self, axial: Array, clock: Array) -> Place:
         """The reference at places (p,) given by axial position [m] and clock [rad]."""

@@ -16,17 +16,16 @@ Array = NDArray[np.float64]
 CONFUSED = 0.99
 """Correlation of k and D above which people are warned."""
 MISFIT = 2.0
-"""px: no lens misses the rings of its target by so much."""
+"""px: no lens misses rings of its target by so much, though it was fitted without them."""
 MANY_LEFT_OUT = 0.05
 
 
 def check(outcome: Outcome, pictures: RingPictures) -> None:
     """Raises InputError where the photographs do not tell what a calibration needs, saying what would."""
-    best = min(outcome.trials, key=lambda trial: trial.ring_fit.rms)
-    if best.ring_fit.rms > MISFIT:
+    if outcome.chosen.rms > MISFIT:
         raise InputError(
-            f"{pictures.toml}: no lens model describes the rings; the best, {best.lens.name}, misses them by "
-            f"{best.ring_fit.rms:.1f} px. Check that the target has {pictures.target.rings} evenly spaced rings and "
+            f"{pictures.toml}: no lens model describes the rings; the likeliest, {outcome.chosen.lens.name}, misses "
+            f"rings left out of the fit by {outcome.chosen.rms:.1f} px. Check that the target has {pictures.target.rings} evenly spaced rings and "
             f"{pictures.target.spokes} spokes, all of them dark lines, lies flat, and that ring_spacing is right."
         )
     if outcome.chosen.lens.law == "perspective" and not outcome.chosen.lens.extras:
