@@ -1,6 +1,7 @@
 """Scans of side-facing heads: the wall where it is, known as well as it is said to be, nothing invented."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,9 +9,10 @@ import numpy as np
 import pytest
 from side_scans import perfect, scan_of, side_survey, true_radius
 
+from calibore.geometry import Pose
 from calibore.profiling import profile_scan
 from calibore.scans import open_points, open_profile, read_rings
-from calibore.simulation import Dent, PipeWall, Survey
+from calibore.simulation import Dent, LateralOpening, PipeWall, Survey
 from calibore.status import Status
 
 SHARED = Path(__file__).parents[2].parent / "shared"
@@ -126,6 +128,29 @@ def test_no_wall_is_invented_where_none_was_seen(tmp_path: Path) -> None:
     assert gap > 10
     silent = ~rows[inside[0] : inside[-1]]
     assert (profile.status.values[inside[0] : inside[-1], 0][silent] >= Status.NO_PEAK).all()
+
+
+def test_the_strip_that_a_step_hides_stays_empty(tmp_path: Path) -> None:
+    """The floor of a hole begins behind its rim: between them the camera sees no light, and the grid has no number."""
+    radius, depth = 0.15, 0.02
+    hole = LateralOpening(0.02, depth, np.pi / 2, 0.018, edge=0.0005)
+    survey = side_survey(14, angles=(100, 101), wall=PipeWall(radius, (hole,)))
+    survey = replace(perfect(survey), origin=0.0, pose=Pose.identity())
+    profile, _ = profile_of(survey, tmp_path)
+    along, status = profile.radius.values[:, 100], profile.status.values[:, 100]
+    with np.load(tmp_path / "scan" / "truth.npz") as truth:
+        seen = truth["row_visible"][0, 0]
+        lit = 0.0254 * truth["row_rig_H"][0, 0][seen]
+    rim, floor = lit[lit < 0].max(), lit[lit > 0].min()
+    cells, half = profile.axial.values, np.diff(profile.axial.values)[0] / 2
+    hidden = (cells - half > rim) & (cells + half < floor)
+    assert (status[hidden] == Status.NO_PEAK).any()
+    # a line of light has a width: beside the shadow a part of it is seen, and tells of the floor or of the rim
+    level = np.where(np.abs(along - radius) < depth / 2, radius, radius + depth)
+    found = np.isfinite(along)
+    np.testing.assert_allclose(along[found], level[found], atol=1e-4)
+    assert (level[found & (cells < rim - half)] == radius).all()
+    assert (level[found & (cells > floor + half)] == radius + depth).all()
 
 
 def test_points_keep_their_stop_and_lie_on_the_wall(tmp_path: Path) -> None:

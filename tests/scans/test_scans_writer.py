@@ -168,6 +168,20 @@ def test_rows_with_other_columns_are_refused(scan, tmp_path):
             writer.add(*ring(2), {"deflection": 0.1})
 
 
+def test_points_of_many_pictures_stand_before_the_rows_made_of_them(scan, tmp_path):
+    """A row of a side-facing scan is made of many pictures: their points come first, each with its own station."""
+    with ResultWriter(tmp_path / "out", read_scan(scan)) as writer:
+        for station in (3, 1, 3):
+            writer.add_points(ring(station, points=40)[1], station)
+        for number in range(2):
+            profile, points = ring(number, points=0)
+            writer.add(profile, points, row(profile))
+        writer.finish({})
+    points = open_points(tmp_path / "out")
+    np.testing.assert_array_equal(points["station"], np.repeat([3, 1, 3], 40))
+    np.testing.assert_array_equal(open_profile(tmp_path / "out")["station"], [0, 1])
+
+
 def test_a_result_without_a_station_is_not_written(scan, tmp_path):
     with (
         pytest.raises(ValueError, match="No station was added"),

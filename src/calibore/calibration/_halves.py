@@ -13,7 +13,7 @@ from calibore.calibration._calibration import Calibration, Observations
 from calibore.calibration._difference._sides import side_of
 from calibore.calibration._difference._test import Evidence, judged
 from calibore.calibration._halves_data import HalvesData
-from calibore.calibration._in_words import Unit
+from calibore.calibration._in_words import PIXEL, Unit, probability
 from calibore.calibration._on_the_wall import root_mean_square, wall_clocks, wall_slopes
 from calibore.calibration._projection import image_grid, implied_turns, projection_slopes, turns_against
 from calibore.errors import InputError
@@ -62,16 +62,17 @@ class Halves(NamedTuple):
 
     def _answer(self, unit: str) -> str:
         what, first, second = self.parts
-        asked = f"{first} {what} against {second}: {self.rms:.2g} px rms apart, {self.expected:.2g} px expected"
+        rms, expected = map(PIXEL.roughly, (self.rms, self.expected))
+        asked = f"{first} {what} against {second}: {rms} rms apart, {expected} expected"
         if self.p < CHANCE:
             return (
-                f"{asked}. That is more than chance (p = {self.p:.1g}): the model does not describe this camera within "
-                "its stated uncertainty; try a lens with more parameters, and see which pictures have large residuals."
+                f"{asked}. That is more than chance ({probability(self.p)}): the model does not describe this camera "
+                "within its stated uncertainty; try a lens with more parameters, and see which pictures have large "
+                "residuals."
             )
         if np.isfinite(self.wall_rms):
-            size = Unit.of_length(f"1 {unit}").size
-            apart, expected = (value / size for value in (self.wall_rms, self.wall_expected))
-            return f"{asked}; no more than chance. On the wall {apart:.2g} {unit} rms, {expected:.2g} {unit} expected."
+            apart, expected = map(Unit.of_length(f"1 {unit}").roughly, (self.wall_rms, self.wall_expected))
+            return f"{asked}; no more than chance. On the wall {apart} rms, {expected} expected."
         limit = "within" if self.agree else "but more than"
         return f"{asked}; no more than chance, {limit} the {WELL_BELOW} px that well-founded calibrations keep."
 

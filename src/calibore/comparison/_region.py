@@ -124,13 +124,16 @@ def _bell(difference: Difference, cells: Mask, mean: Quantity) -> _Bell | None:
         rows_known = rows.size >= 2 and len(cells) > rows.size
         if not rows_known:
             return None
-    z, c = difference.axial, difference.clock
-    middle = _mean_clock(c, np.where(cells, 1.0, 0.0))
+    z, c, known = difference.axial, difference.clock, np.isfinite(difference.adjusted)
+    middle = _mean_clock(c, np.where(cells & known, 1.0, 0.0))
     aside = np.mod(np.nan_to_num(c) - middle + np.pi, 2 * np.pi) - np.pi
     spacing = float(np.median(np.abs(np.diff(np.nanmedian(z, axis=1)))))
-    half = max(float(np.ptp(z[cells])) / 2, spacing), max(float(np.ptp(aside[cells])) / 2, 2 * np.pi / cells.shape[1])
-    centre = float(np.mean(z[cells]))
-    near = np.isfinite(difference.adjusted) & (np.abs(aside) <= (1 + AROUND) * half[1])
+    half = (
+        max(float(np.ptp(z[cells & known])) / 2, spacing),
+        max(float(np.ptp(aside[cells & known])) / 2, 2 * np.pi / cells.shape[1]),
+    )
+    centre = float(np.mean(z[cells & known]))
+    near = known & (np.abs(aside) <= (1 + AROUND) * half[1])
     near &= np.abs(np.nan_to_num(z) - centre) <= (1 + AROUND) * half[0] + spacing
     zs, cs, value, u = z[near], aside[near], difference.adjusted[near], difference.u_adjusted[near]
 

@@ -11,6 +11,8 @@ Array = NDArray[np.float64]
 
 AGREEING = 5.0
 """Standard deviations within which a difference agrees with a slope."""
+NOISY = 2.0
+"""Standard deviations of noise up to which a bend is none."""
 
 
 def clock_bends(profile: Profile) -> Array:
@@ -43,10 +45,10 @@ def _suits(slope: Array, rise: Array, apart: Array | float, variance: Array) -> 
 
 
 def bend(radius: Array, u: Array, *, axis: int) -> Array:
-    """Size (n, m) [m] of the second difference along an axis, round it, what noise makes of it taken away; beside a gap
+    """Size (n, m) [m] of the second difference along an axis, round it, as far as it is more than noise; beside a gap
     the difference to the other side, for the wall may bend there.
     """
     before, after = np.roll(radius, 1, axis=axis), np.roll(radius, -1, axis=axis)
     before, after = np.where(np.isnan(before), radius, before), np.where(np.isnan(after), radius, after)
-    square = (before - 2 * radius + after) ** 2 - 6 * np.nan_to_num(u) ** 2
+    square = (before - 2 * radius + after) ** 2 - 6 * (NOISY * np.nan_to_num(u)) ** 2
     return np.sqrt(np.maximum(np.nan_to_num(square), 0.0))

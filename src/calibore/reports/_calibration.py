@@ -85,7 +85,7 @@ DIFFERENCE_METHOD = (
 
 
 def _count(calibration: Calibration) -> str:
-    used = sum(not one.refused for one in calibration.files)
+    used = sum(one.used for one in calibration.files)
     kept = int((calibration.observations.weight > 0).sum())
     return f"From {used} of {len(calibration.files)} files, {kept} residuals"
 
@@ -130,10 +130,10 @@ def _data(
 
 def _difference_facts(difference: Difference, unit: str) -> list[Fact]:
     along, test = difference.directions, difference.judgement
-    p = "p unknown" if np.isnan(test.p) else f"p = {test.p:.2g}" if test.p >= 1e-3 else "p < 0.001"
+    p = "p unknown" if np.isnan(test.p) else f"p = {plain_text(test.p, 2)}" if test.p >= 1e-3 else "p < 0.001"
     facts = [
-        {"name": "By chance alone", "value": p, "remark": f"chi-square {test.chi_square:.3g} in "
-         f"{test.directions} directions"},
+        {"name": "By chance alone", "value": p, "remark": f"chi-square {plain_text(test.chi_square)} in "
+         f"{test.directions} direction{'s' * (test.directions != 1)}"},
         {"name": "Over the image", "value": f"{plain_text(along.rms, 2)} px rms",
          "remark": f"{plain_text(along.expected, 2)} px expected"},
         {"name": "Turn taken out", "value": f"{plain_text(float(np.degrees(np.linalg.norm(along.turn))), 2)} deg",
@@ -145,7 +145,7 @@ def _difference_facts(difference: Difference, unit: str) -> list[Fact]:
         band = wall.coverage * wall.u_mean[at] / scale.metres
         facts.append(
             {
-                "name": f"Mean radius at R = {nominal / scale.metres:.4g} {unit}",
+                "name": f"Mean radius at R = {plain_text(nominal / scale.metres, 4)} {unit}",
                 "value": f"{plain_text(wall.mean[at] / scale.metres, 2, sign=True)} {unit}",
                 "remark": f"95 % of unchanged rigs stay within {plain_text(band, 2)} {unit}",
             }
@@ -160,9 +160,9 @@ def _change_rows(difference: Difference, unit: str) -> list[Fact]:
         rows.append(
             {
                 "name": parameter_words(one.name),
-                "before": f"{one.before * factor:.7g}",
-                "after": f"{one.after * factor:.7g}",
-                "change": f"{one.change * factor:+.2g}",
+                "before": plain_text(one.before * factor, 7),
+                "after": plain_text(one.after * factor, 7),
+                "change": plain_text(one.change * factor, 2, sign=True),
                 "sigmas": f"{one.sigmas:+.1f}",
                 "share": f"{100 * one.share:.0f} %",
                 "unit": symbol,

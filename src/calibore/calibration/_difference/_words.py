@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from calibore.calibration._in_words import Unit, unit_of, word_of
+from calibore.calibration._in_words import DEGREE, PIXEL, Unit, plain_number, probability, unit_of, word_of
 
 if TYPE_CHECKING:
     from calibore.calibration._difference._changes import Change
     from calibore.calibration._difference._difference import Difference
+    from calibore.calibration._difference._test import Judgement
 
 CHANCE, DOUBTFUL = 0.05, 0.001
 """Probabilities: above the first nothing speaks for a change, below the second chance is out of the question."""
@@ -28,14 +29,15 @@ def _sentences(found: "Difference", length: Unit) -> Iterator[str]:
     yield _answer(found)
     along = found.directions
     yield (
-        f"Directions differ by {along.rms:.2g} px rms over the image, where the stated uncertainties let expect "
-        f"{along.expected:.2g} px; a turn of {np.degrees(np.linalg.norm(along.turn)):.2g} deg is taken out."
+        f"Directions differ by {PIXEL.roughly(along.rms)} rms over the image, where the stated uncertainties let "
+        f"expect {PIXEL.roughly(along.expected)}; a turn of {DEGREE.roughly(float(np.linalg.norm(along.turn)))} is "
+        "taken out."
     )
     if found.wall is not None:
         yield _on_wall(found, length)
     misfit = along.judgement.unexplained
     if not found.same_law and misfit > MISFIT * along.expected:
-        yield f"{misfit:.2g} px rms no parameter of either lens explains: the lens laws differ."
+        yield f"{PIXEL.roughly(misfit)} rms no parameter of either lens explains: the lens laws differ."
     if _differs(found):
         yield from _what_changed(found, length)
 
@@ -44,7 +46,7 @@ def _answer(found: "Difference") -> str:
     one = found.judgement
     if not any(found.stated):
         return "Neither calibration states its uncertainty, so nobody can say whether the difference means anything."
-    test = f"p {_probability(one.p)}, chi-square {one.chi_square:.3g} in {one.directions} directions"
+    test = f"{probability(one.p)}, {chi_square_of(one)}"
     if one.p >= CHANCE:
         return f"Nothing speaks against this being the same, unchanged camera ({test})."
     if one.p >= DOUBTFUL:
@@ -52,18 +54,23 @@ def _answer(found: "Difference") -> str:
     return f"This is not the same camera as before: chance does not explain the difference ({test})."
 
 
+def chi_square_of(one: "Judgement") -> str:
+    """Chi-square and its directions."""
+    return f"chi-square {plain_number(one.chi_square, 3)} in {one.directions} direction{'s' * (one.directions != 1)}"
+
+
 def _on_wall(found: "Difference", length: Unit) -> str:
-    wall, nominal, metres, unit = found.wall, found.nominal_radius, length.size, length.symbol
+    wall, nominal = found.wall, found.nominal_radius
     assert wall is not None
     assert nominal is not None
     at = int(np.argmin(np.abs(wall.radius - nominal)))
-    where = f"On a wall of R = {nominal / metres:.4g} {unit}"
+    where = f"On a wall of R = {length.roughly(nominal, 4)}"
     if not np.isfinite(wall.mean[at]):
         return f"{where} the two have no common view."
-    band = wall.coverage * wall.u_mean[at] / metres
+    band, mean = length.roughly(wall.coverage * wall.u_mean[at]), length.roughly(wall.mean[at], sign=True)
     return (
-        f"{where} the mean radius differs by {wall.mean[at] / metres:+.2g} {unit} (95 % of unchanged rigs stay within "
-        f"{band:.2g} {unit}), single radii by {wall.rms[at] / metres:.2g} {unit} rms."
+        f"{where} the mean radius differs by {mean} (95 % of unchanged rigs stay within {band}), single radii by "
+        f"{length.roughly(wall.rms[at])} rms."
     )
 
 
@@ -72,7 +79,7 @@ def _what_changed(found: "Difference", length: Unit) -> Iterator[str]:
         return
     first = found.changes[0]
     if first.share >= MOST:
-        share = f", {100 * first.alone / first.before:+.3g} %" if first.before else ""
+        share = f", {plain_number(100 * first.alone / first.before, 3, sign=True)} %" if first.before else ""
         yield (
             f"A change of {word_of(first.name)} alone by {_amount(first, length)}{share}, explains "
             f"{100 * first.share:.0f} % of it."
@@ -85,13 +92,10 @@ def _what_changed(found: "Difference", length: Unit) -> Iterator[str]:
 
 def _amount(one: "Change", length: Unit) -> str:
     said = unit_of(one.name, length).said(one.alone, one.u_alone, sign=True)
-    sigmas = abs(one.alone) / one.u_alone if one.u_alone > 0 else np.inf
-    return f"{said} ({sigmas:.2g} standard uncertainties)"
+    if not one.u_alone > 0:
+        return said
+    return f"{said} ({plain_number(abs(one.alone) / one.u_alone)} standard uncertainties)"
 
 
 def _differs(found: "Difference") -> bool:
     return any(found.stated) and found.judgement.p < CHANCE
-
-
-def _probability(p: float) -> str:
-    return f"= {p:.2g}" if p >= DOUBTFUL else f"< {DOUBTFUL:g}"

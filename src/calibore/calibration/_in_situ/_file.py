@@ -179,5 +179,7 @@ def _numbers(path: Path) -> Array:
         lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
         body = [line for line in lines if not line.lstrip().startswith("#") and "_" not in line]
         return np.array([[float(cell) if cell.strip() else np.nan for cell in line.split(",")] for line in body])
+    except FileNotFoundError:
+        raise InputError(f"{path} is not there; copy the table there, or name it in target.toml.") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{path} cannot be read as a table of numbers ({error}); separate them by commas.") from error

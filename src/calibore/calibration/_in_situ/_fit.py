@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from calibore.calibration._calibration import Comparison
 from calibore.calibration._in_situ._change import Change, change_of
+from calibore.calibration._in_words import word_of
 from calibore.calibration._rig._fit import RigFit, fit_rig, foreseen
 from calibore.calibration._rig._looks import Look
 from calibore.calibration._rig._values import value_of, values_of
@@ -127,8 +128,8 @@ def _told(rig: Rig, looks: tuple[Look, ...], possible: tuple[str, ...], old: Cov
             return left
         if len(left) == 1:
             raise InputError(
-                f"The reference does not tell {left[0]}: the marks that can be compared with it are too few or too "
-                "alike; scan a stretch of pipe with more clock positions and stations."
+                f"The reference does not tell {word_of(left[0])}: the marks that can be compared with it are too few "
+                "or too alike; scan a stretch of pipe with more clock positions and stations."
             )
         left = left[:-1]
 
@@ -176,5 +177,5 @@ def _comparison(moving: tuple[str, ...], found: RigFit, aicc: float, bic: float)
     u = dict(zip(moving, found.covariance.restricted(moving).u.tolist(), strict=True)) if moving else {}
     estimates = {name: Quantity(value, u[name], freedom) for name, value in values.items()}
     rmse = float(np.sqrt(np.mean(found.fit.residuals**2)))
-    model = " and ".join(moving) + " moved" if moving else "nothing moved"
+    model = " and ".join(map(word_of, moving)) + " moved" if moving else "nothing moved"
     return Comparison(model, len(found.fit.names), rmse, float(aicc), float(bic), float("nan"), estimates)

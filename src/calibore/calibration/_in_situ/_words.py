@@ -8,7 +8,7 @@ from calibore.calibration._in_situ._file import ProfileTarget
 from calibore.calibration._in_situ._fit import CLEARLY, InSitu
 from calibore.calibration._in_situ._pose import SETTING, Aligned
 from calibore.calibration._in_situ._wall import POSE
-from calibore.calibration._in_words import DEGREE, Unit, unit_of, word_of
+from calibore.calibration._in_words import DEGREE, Unit, probability, unit_of, word_of
 from calibore.calibration._input_files import InputFile
 from calibore.calibration._rig._values import value_of
 
@@ -19,7 +19,7 @@ FEW = 0.5
 def in_situ_findings(found: InSitu, alignment: Aligned, unit: Unit) -> Iterator[str]:
     """The verdict, the table of changes (Swanbom 2007, Table 8.1), what explains them, and how the reference lies."""
     change = found.change
-    chance = f"chi-square {change.chi_square:.1f} for {len(change.names)}, p = {_p(change.p)}"
+    chance = f"chi-square {change.chi_square:.1f} for {len(change.names)}, {probability(change.p)}"
     if change.tenable:
         yield f"The old calibration is still tenable ({chance}): keep it."
     else:
@@ -43,11 +43,20 @@ def _table(change: Change, unit: Unit) -> Iterator[str]:
         one, word = unit_of(name, unit), word_of(name)
         per_cent = f" ({100 * (after - before) / before:+.2f} %)" if before else ""
         yield (
-            f"{word[:1].upper()}{word[1:]}: in use {one.said(before, u_after)} (u = {one.said(u_before, u_before)}), "
+            f"{_first(word)}: in use {one.said(before, u_after)} ({_known(one, u_before)}), "
             f"found {one.said(after, u_after)} (u = {one.said(u_after, u_after)}): moved by "
             f"{one.said(after - before, u_after, sign=True)}{per_cent}, {abs(sigmas):.1f} standard uncertainties of "
             "both."
         )
+
+
+def _first(word: str) -> str:
+    """The `word` that begins a sentence, unless it is a symbol such as k."""
+    return word if len(word) == 1 else word[:1].upper() + word[1:]
+
+
+def _known(unit: Unit, u: float) -> str:
+    return f"u = {unit.said(u, u)}" if u > 0 else "taken as exact"
 
 
 def _explained(found: InSitu) -> Iterator[str]:
@@ -105,7 +114,3 @@ def in_situ_warnings(found: InSitu, target: ProfileTarget, files: Iterable[Input
     refused = [file for file in files if file.refused]
     if refused:
         yield f"{len(refused)} pictures were not used; the first, {refused[0].name}: {refused[0].refused}."
-
-
-def _p(p: float) -> str:
-    return f"{p:.2f}" if p >= 0.01 else f"{p:.1g}"

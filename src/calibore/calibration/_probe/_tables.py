@@ -97,8 +97,11 @@ def _table(path: Path, columns: int, header: str) -> tuple[Array, Unit]:
     example = f'Its first line is "# {header}" (or _mm, _m for the unit), then numbers separated by commas.'
     try:
         lines = [line.strip() for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
+    except FileNotFoundError:
+        raise InputError(f"{path} is not there; copy the table there, or name it in target.toml. {example}") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read ({error}); name an existing table of text.") from error
+        why = "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else error.strerror
+        raise InputError(f"{path} cannot be read ({why}); name an existing table of text.") from error
     words = [line for line in lines if re.search(r"[A-Za-z_]{2}", line)]
     found = _UNIT.search(words[0].split(",")[-1]) if words else None
     if found is None:

@@ -137,7 +137,10 @@ def _photographs(toml: Path, pattern: str) -> list[Path]:
 def _matching(folder: Path, pattern: str) -> Iterator[Path]:
     if "{" in pattern:
         named = pattern if "{station" in pattern else pattern.replace("{take", "{station", 1)
-        return iter(ImageFolder(folder, named).paths.values())
+        try:
+            return iter(ImageFolder(folder, named).paths.values())
+        except InputError as error:
+            raise InputError(str(error).replace(f'"{named}"', f'"{pattern}"')) from error
     if re.search(r"[*?\[]", pattern):
         return (path for path in folder.glob(pattern) if path.is_file())
     return (path for path in [folder / pattern] if path.is_file())

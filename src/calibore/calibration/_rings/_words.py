@@ -22,13 +22,15 @@ MANY_LEFT_OUT = 0.05
 
 def check(outcome: Outcome, pictures: RingPictures) -> None:
     """Raises InputError where the photographs do not tell what a calibration needs, saying what would."""
-    if outcome.chosen.rms > MISFIT:
+    chosen = outcome.chosen
+    if chosen.rms > MISFIT:
         raise InputError(
-            f"{pictures.toml}: no lens model describes the rings; the likeliest, {outcome.chosen.lens.name}, misses "
-            f"rings left out of the fit by {outcome.chosen.rms:.1f} px. Check that the target has {pictures.target.rings} evenly spaced rings and "
-            f"{pictures.target.spokes} spokes, all of them dark lines, lies flat, and that ring_spacing is right."
+            f"{pictures.toml}: no lens model describes the rings; the likeliest, {chosen.lens.name}, misses rings "
+            f"left out of the fit by {chosen.rms:.1f} px. Check that the target has {pictures.target.rings} evenly "
+            f"spaced rings and {pictures.target.spokes} spokes, all of them dark lines, lies flat, and "
+            "that ring_spacing is right."
         )
-    if outcome.chosen.lens.law == "perspective" and not outcome.chosen.lens.extras:
+    if chosen.lens.law == "perspective" and not chosen.lens.extras:
         raise InputError(
             f"{pictures.toml}: the lens images like a perspective lens, of which rings tell D / k only "
             f"({_ratio(outcome, pictures)}), neither D nor k; photograph a chessboard at several tilts instead, or "

@@ -1,0 +1,163 @@
+"""What two profiles that should be compared may have wrong with them, each in a sentence for whoever measured them."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.comparison._difference import Difference
+from calibore.errors import InputError
+from calibore.registration import Motion, register
+from calibore.scans import Profile
+
+Array = NDArray[np.float64]
+Names = tuple[str, str]
+"""What people call the moving profile and the reference."""
+
+FACTORS = {
+    25.4: "inches read as millimetres",
+    12.0: "feet read as inches",
+    3.2808: "metres read as feet, or feet as metres",
+    39.37: "metres read as inches",
+    1000.0: "metres read as millimetres",
+    100.0: "metres read as centimetres",
+    10.0: "centimetres read as millimetres",
+    2.54: "inches read as centimetres",
+    2.0: "diameters read as radii",
+}
+NEAR_FACTOR = 0.03
+"""Relative; two instruments in one pipe agree better on its radius."""
+SAME_PIPE = 1.25
+"""Ratio of median radii beyond which no single pipe was measured."""
+BEYOND = 5.0
+"""Standard uncertainties beyond which a difference is none of chance."""
+MANY = 0.10
+"""Of the points beyond: then it is asked whether something is wrong with the pair."""
+MIRROR = 3.0
+"""Times better a mirrored profile must fit to be called mirrored."""
+MIRROR_RINGS, MIRROR_CLOCKS = 8, 2
+"""Rings and every how manieth clock position are enough to tell."""
+COMMON = 0.5
+"""Share of either wall's own shape that the other must show to be the same pipe."""
+SHAPED = 3.0
+"""Standard uncertainties by which a wall's shape must stand out for that to be asked."""
+
+
+def check_pair(moving: Profile, reference: Profile, names: Names) -> None:
+    """Before registration: raises InputError where radii differ by a factor of units, or are no single pipe's."""
+    ratio = moving.typical_radius / reference.typical_radius
+    size = max(ratio, 1 / ratio)
+    radii = (
+        f"the median radius of {names[0]} is {1e3 * moving.typical_radius:.4g} mm, "
+        f"that of {names[1]} {1e3 * reference.typical_radius:.4g} mm"
+    )
+    for factor, why in FACTORS.items():
+        if abs(size / factor - 1) <= NEAR_FACTOR:
+            raise InputError(
+                f"Radii differ by a factor of {factor:.4g}: {radii}; probably wrong units ({why}), else different "
+                "pipes. Check the units in rig.toml, scan.toml and tables."
+            )
+    if size > SAME_PIPE:
+        raise InputError(f"These are different pipes: {radii}; compare scans of one pipe.")
+
+
+def why_not_registered(moving: Profile, reference: Profile, names: Names, error: InputError) -> InputError:
+    """A better sentence than `error` where the profiles have no points in common."""
+    spans = [(float(np.nanmin(p.axial_position)), float(np.nanmax(p.axial_position))) for p in (moving, reference)]
+    low, high = max(spans[0][0], spans[1][0]), min(spans[0][1], spans[1][1])
+    said = [f"{name} covers {1e3 * a:.4g} to {1e3 * b:.4g} mm" for name, (a, b) in zip(names, spans, strict=True)]
+    if low > high:
+        return InputError(
+            f"The two do not overlap along the pipe: {said[0]}, {said[1]}. Check the origins of their motion tables, "
+            'or give --start "axial=...".'
+        )
+    inside = [(np.abs(p.axial_position - (low + high) / 2) <= (high - low) / 2 + p.spacing) for p in (moving, reference)]
+    if not all((p.measured & one).any() for p, one in zip((moving, reference), inside, strict=True)) or "Only" in str(
+        error
+    ):
+        return InputError(
+            f"Where the two overlap along the pipe, {1e3 * low:.4g} to {1e3 * high:.4g} mm, hardly a point has a value "
+            f"in both; {said[0]}, {said[1]}. Check why the points are missing there (status in profile.zarr)."
+        )
+    return error
+
+
+def check_outcome(difference: Difference, moving: Profile, reference: Profile, names: Names) -> tuple[str, ...]:
+    """After registration: warnings; raises InputError where clocks run against each other or pipes are different."""
+    value, u = difference.value, difference.u
+    known = np.isfinite(value) & np.isfinite(u)
+    if not known.any():
+        raise InputError(f"No point of {names[0]} lies where {names[1]} has one; check what is missing in either.")
+    beyond = float(np.mean(np.abs(value[known]) > BEYOND * u[known]))
+    if beyond < MANY:
+        return ()
+    left = _size(value[known])
+    _check_clock(moving, reference, names, left)
+    _check_shape(difference, known, names, left)
+    return (
+        f"{100 * beyond:.0f} % of the points differ by more than {BEYOND:.0f} standard uncertainties: the wall has "
+        "changed nearly everywhere, or one of the calibrations is wrong, or these are different pipes.",
+    )
+
+
+def mirrored(profile: Profile) -> Profile:
+    """The profile as an instrument sees it whose clock runs the other way round."""
+    turned = np.mod(-profile.clock, 2 * np.pi)
+    order = np.argsort(turned, kind="stable")
+    grids = {n: getattr(profile, n)[..., order] for n in ("radius", "axial_position", "u_independent", "status")}
+    return replace(profile, clock=turned[order], common_mode=profile.common_mode[..., order], **grids)
+
+
+def _check_clock(moving: Profile, reference: Profile, names: Names, left: float) -> None:
+    few = mirrored(_thinned(moving))
+    try:
+        found = register(few, reference, free=("roll", "shift_x", "shift_y", "axial"), start=Motion())
+    except InputError:
+        return
+    residual = found.gaps.residual
+    better = left / max(_size(residual[np.isfinite(residual)]), 1e-12)
+    if better > MIRROR:
+        raise InputError(
+            f"{names[0]} runs against the clock of {names[1]}: mirrored it fits {better:.0f} times better. Check which "
+            "way round columns, rotation or image of either are; clocks count clockwise looking along travel."
+        )
+
+
+def _thinned(profile: Profile) -> Profile:
+    rows = np.unique(np.linspace(0, profile.axial.size - 1, min(profile.axial.size, MIRROR_RINGS)).round().astype(int))
+    return profile.rings(rows)
+
+
+def _size(values: Array) -> float:
+    """Of most values: features that differ must not decide, but most of a wall must."""
+    return float(np.quantile(np.abs(values), 0.9))
+
+
+def _check_shape(difference: Difference, known: NDArray[np.bool_], names: Names, left: float) -> None:
+    """Whether either wall shows the other's own shape: what remains of its radii without centre and size."""
+    moved = np.where(known, difference.radius, np.nan)
+    own, other = _shape(moved, difference.clock), _shape(moved - difference.value, difference.clock)
+    used = np.isfinite(own) & np.isfinite(other)
+    if not used.any():
+        return
+    noise = float(np.sqrt(np.mean(difference.u_independent[used] ** 2)))
+    sizes = [float(np.sqrt(np.mean(one[used] ** 2))) for one in (own, other)]
+    shared = float(np.mean(own[used] * other[used]))
+    if min(sizes) > SHAPED * noise and max(shared / size**2 for size in sizes) < COMMON:
+        raise InputError(
+            f"{names[0]} and {names[1]} are different pipes, or turned by more than 10 deg against each other: brought "
+            f"together as well as can be, they still differ by up to {1e3 * left:.3g} mm over most of the wall, "
+            f"as much as the wall's own shape ({1e3 * sizes[0]:.3g} and {1e3 * sizes[1]:.3g} mm rms), which neither "
+            'shares with the other. Compare scans of one pipe, or give --start "roll=... deg".'
+        )
+
+
+def _shape(radius: Array, clock: Array) -> Array:
+    """(n, m) [m] deviation of every ring from its own circle, to first order."""
+    shape = np.full(radius.shape, np.nan)
+    for row, (r, c) in enumerate(zip(radius, clock, strict=True)):
+        some = np.isfinite(r) & np.isfinite(c)
+        if np.count_nonzero(some) > 6:
+            design = np.stack([np.ones(some.sum()), np.sin(c[some]), np.cos(c[some])], axis=1)
+            shape[row, some] = r[some] - design @ np.linalg.lstsq(design, r[some])[0]
+    return shape
