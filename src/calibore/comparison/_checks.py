@@ -71,7 +71,9 @@ def why_not_registered(moving: Profile, reference: Profile, names: Names, error:
             f"The two do not overlap along the pipe: {said[0]}, {said[1]}. Check the origins of their motion tables, "
             'or give --start "axial=...".'
         )
-    inside = [(np.abs(p.axial_position - (low + high) / 2) <= (high - low) / 2 + p.spacing) for p in (moving, reference)]
+    inside = [
+        (np.abs(p.axial_position - (low + high) / 2) <= (high - low) / 2 + p.spacing) for p in (moving, reference)
+    ]
     if not all((p.measured & one).any() for p, one in zip((moving, reference), inside, strict=True)) or "Only" in str(
         error
     ):

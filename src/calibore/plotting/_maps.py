@@ -39,7 +39,7 @@ NICE_STEPS = np.array([1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0])
 
 
 @dataclass(frozen=True)
-class _Raster:
+class Raster:
     """A map ready to draw: `values` (clock, column) in display units, edges of both axes;
     `layout` is `full` gathered into the columns drawn.
     """
@@ -60,7 +60,8 @@ def deviation_map(
     """
     scale, wall = length_unit(unit), wall_of(dataset, rings)
     deviation = (wall.radius - checked_radius(nominal_radius)) / scale.metres
-    raster = _raster(dataset, wall, deviation, unit=unit, lone_width=LONE_WIDTH * nominal_radius)
+    places = dataset["axial"].values, dataset["station"].values, wall.clock
+    raster = raster_of(*places, deviation, unit=unit, lone_width=LONE_WIDTH * nominal_radius)
     end = limit / scale.metres if limit else robust_limit(deviation)
     notes = [
         f"Radius about the {wall.origin} minus nominal radius {nominal_radius / scale.metres:.2f} {scale.symbol}"
@@ -69,7 +70,7 @@ def deviation_map(
     ]
     figure = new_figure(4.9, title="Deviation of the wall from nominal, unrolled", notes=notes + raster.notes)
     label = f"deviation [{scale.symbol}], + outward"
-    _draw(figure, raster, Normalize(-end, end), DEVIATION_COLOURS, label, deviation)
+    draw_raster(figure, raster, Normalize(-end, end), DEVIATION_COLOURS, label, deviation)
     return figure
 
 
@@ -77,7 +78,8 @@ def uncertainty_map(dataset: Any, rings: Any, *, nominal_radius: float, unit: st
     """Map of the expanded uncertainty (k = 2) of every point, independent and common parts combined."""
     scale, wall = length_unit(unit), wall_of(dataset, rings)
     expanded = wall.U / scale.metres
-    raster = _raster(dataset, wall, expanded, unit=unit, lone_width=LONE_WIDTH * checked_radius(nominal_radius))
+    places = dataset["axial"].values, dataset["station"].values, wall.clock
+    raster = raster_of(*places, expanded, unit=unit, lone_width=LONE_WIDTH * checked_radius(nominal_radius))
     found = expanded[np.isfinite(expanded)]
     common = 2 * np.asarray(dataset["u_common"].values, float)[np.isfinite(wall.radius)] / scale.metres
     notes = ["Expanded uncertainty of each radius (k = 2, about 95 %), independent and common parts combined"]
@@ -88,7 +90,7 @@ def uncertainty_map(dataset: Any, rings: Any, *, nominal_radius: float, unit: st
     low, high = (float(end) for end in np.percentile(found, [1, 99])) if found.size else (0.0, 1.0)
     # Colours that span less than a factor of two would make much of differences that do not matter.
     norm = Normalize(min(low, high / 2), high or 1.0)
-    _draw(figure, raster, norm, UNCERTAINTY_COLOURS, f"U of one point (k = 2) [{scale.symbol}]", expanded)
+    draw_raster(figure, raster, norm, UNCERTAINTY_COLOURS, f"U of one point (k = 2) [{scale.symbol}]", expanded)
     return figure
 
 
@@ -109,18 +111,19 @@ def _nice_above(value: float) -> float:
     return float(decade * NICE_STEPS[np.searchsorted(NICE_STEPS, value / decade * (1 - 1e-9))])
 
 
-def _raster(dataset: Any, wall: Wall, values: Floats, *, unit: str, lone_width: float) -> _Raster:
-    full = lay_out(dataset["axial"].values, dataset["station"].values, unit=unit, lone_width=lone_width)
+def raster_of(axial: Floats, station: Any, clock: Floats, values: Floats, *, unit: str, lone_width: float) -> Raster:
+    """`values` (n, m) in display units at `axial` (n,) [m] of stations (n,) and `clock` (m,) [rad], ready to draw."""
+    full = lay_out(axial, station, unit=unit, lone_width=lone_width)
     layout, columns = thinned(full)
-    clock = centred_clock(wall.clock)
+    clock = centred_clock(clock)
     turn = np.argsort(clock, kind="stable")
     rows = block_starts(len(turn), MOST_CLOCK_ROWS)
     cells = block_extremes(block_extremes(values[full.order][:, turn], columns), rows, axis=1).T
     notes = thinning_note(len(full.position), len(columns))
-    lost = int((~np.isfinite(wall.radius).any(axis=1)).sum())
+    lost = int((~np.isfinite(values).any(axis=1)).sum())
     if lost:
         notes = [*notes, f"{lost} of {len(full.position)} stations have no usable ring"]
-    return _Raster(layout, full, *_closed(clock[turn], rows, cells), notes)
+    return Raster(layout, full, *_closed(clock[turn], rows, cells), notes)
 
 
 def _closed(clock: Floats, rows: np.ndarray, cells: Floats) -> tuple[Floats, Floats]:
@@ -130,7 +133,8 @@ def _closed(clock: Floats, rows: np.ndarray, cells: Floats) -> tuple[Floats, Flo
     return np.concatenate([[-4.0], lower, [upper_end, 8.0]]), np.vstack([cells[-1:], cells, cells[:1]])
 
 
-def _draw(figure: Figure, raster: _Raster, norm: Normalize, colours: str, label: str, values: Floats) -> None:
+def draw_raster(figure: Figure, raster: Raster, norm: Normalize, colours: str, label: str, values: Floats) -> Axes:
+    """The map on the figure with its colour bar called `label` and its legend."""
     axes = figure.add_subplot()
     colour_map: Colormap = mpl.colormaps[colours].with_extremes(bad=MISSING_GREY)
     edges, cells, gaps = _with_gaps(raster.layout, raster.values)
@@ -152,6 +156,7 @@ def _draw(figure: Figure, raster: _Raster, norm: Normalize, colours: str, label:
         axes.plot(at, np.full(len(at), 1.015), "v", transform=axes.get_xaxis_transform(), **STATION_MARK)
     add_colour_bar(figure, axes, ScalarMappable(norm, colour_map), label, values)
     _add_legend(figure, float(np.isfinite(values).mean()), raster.layout)
+    return axes
 
 
 def _with_gaps(layout: Layout, cells: Floats) -> tuple[Floats, Floats, list[tuple[float, float]]]:

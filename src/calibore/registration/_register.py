@@ -85,7 +85,7 @@ def register(
 ) -> Registration:
     """Brings `moving` onto `reference`, from any `start` within 10 deg, 5 % of the radius and two stations.
 
-    `free` parameters of the motion, others stay as in `start`; `per_ring`: each ring may in addition turn and shift,
+    `free` parameters of the motion, others, or all, stay as in `start`; `per_ring`: each ring may in addition turn and shift,
     smoothly from ring to ring; `search` False: the start is near already. Raises InputError where the two cannot be
     brought together: no overlap, no common shape.
     """
@@ -101,7 +101,7 @@ def register(
     if not candidates:
         raise InputError(_no_overlap(moving, reference))
     left = freedom.only(told(cloud, surface, candidates[0], freedom.names))
-    if not left.names:
+    if free and not left.names:
         raise InputError("The profiles tell none of the parameters that are free; name more of them in free.")
     held = {name: getattr(about, name) for name in freedom.names if name not in left.names}
     candidates = [replace(one, **held) for one in candidates[: 1 if held else None]]
@@ -113,8 +113,6 @@ def _check(free: Sequence[str]) -> None:
     unknown = sorted(set(free) - set(Motion.names))
     if unknown:
         raise InputError(f"A motion has no {unknown[0]}; free may name {', '.join(Motion.names)}.")
-    if not free:
-        raise InputError("Nothing is free to move; name what may, e.g. roll, shift_x, shift_y.")
 
 
 def _freedom(moving: Profile, reference: Profile, free: Sequence[str], *, per_ring: bool) -> Freedom:

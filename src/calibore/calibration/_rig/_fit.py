@@ -1,7 +1,7 @@
 """The rig for which its light falls on the known surfaces it was photographed on."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,9 +86,13 @@ def fit_rig(
     the error of its reference: as large as that states, or as stops are found to scatter. Raises InputError where the
     evidence does not suffice or the fit fails.
     """
-    whole = RigModel(rig, tuple(looks), tuple(free))
-    values, known = rough_values(whole, near or rig), prior_of(whole, prior)
-    model, fit, slope = _found(whole, values, known, robust=robust)
+    looks = tuple(replace(look, reference=look.reference.doubting(None)) for look in looks)
+    whole = RigModel(rig, looks, tuple(free))
+    model, fit, slope = _found(whole, rough_values(whole, near or rig), prior_of(whole, prior), robust=robust)
+    doubting, values = model.doubting(fit.values, fit.covariance)
+    if doubting.names != model.names:
+        model, known = doubting, prior_of(doubting, prior)
+        fit, slope = _settled(model, values, known, robust=robust)
     _refuse(fit, model, bounds or {})
     count = len(model.free)
     covariance = Covariance(model.free, fit.covariance[:count, :count])

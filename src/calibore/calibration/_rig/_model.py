@@ -1,6 +1,6 @@
 """The light of a rig on known surfaces: how far beyond them its triangulated marks lie."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -89,6 +89,17 @@ class RigModel:
 
     def moved_rig(self, values: Array) -> Rig:
         return moved(self.rig, dict(zip(self.free, values[: len(self.free)].tolist(), strict=True)))
+
+    def doubting(self, values: Array, covariance: Array) -> tuple["RigModel", Array]:
+        """The model whose references are known only as well as the `covariance` (p, p) of all parameters says, and the
+        `values` (p,) of its parameters.
+        """
+        looks = []
+        for look in self.looks:
+            own = [self.names.index(name) for name in self.nuisances(look.of_setting)]
+            looks.append(replace(look, reference=look.reference.doubting(covariance[np.ix_(own, own)])))
+        model, found = replace(self, looks=tuple(looks)), dict(zip(self.names, values.tolist(), strict=True))
+        return model, np.array([found.get(name, 0.0) for name in model.names])
 
     def residuals(self, values: Array) -> tuple[Array, Array, Array]:
         """Pixels (n,) from where each mark should be, along its direction; minus their derivatives (n, p): how what is

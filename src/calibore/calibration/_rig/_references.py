@@ -18,6 +18,8 @@ FLAT = 0.02
 """A ring whose points' axial spread is less than this fraction of its radius is looked at as flat."""
 MOST_TILTED = 3.0
 """A gauge starts at most this many standard uncertainties inclined."""
+CENTRE, SLOPES = ("centre_x", "centre_y"), ("slope_x", "slope_y")
+SQUARES = ("square_1", "square_2", "square_3")
 OUTWARDS, AHEAD = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
@@ -58,6 +60,12 @@ class Reference(ABC):
     def first_guess(self, points: Array) -> Array:
         """Where a search for the nuisance (q,) starts, from rough `points` (n, 3) on the surface."""
         return np.zeros(len(self.nuisance_names))
+
+    def doubting(self, covariance: Array | None) -> Self:
+        """This reference where its nuisance is known with `covariance` (q, q) only, or, None, as it was before: what
+        gaps hold of its square, which is not 0 on average, counts.
+        """
+        return self
 
 
 @dataclass(frozen=True)
@@ -104,12 +112,17 @@ class FlatTarget(Reference):
 class RingGauge(Reference):
     """The inside of a round of `diameter` [m], its axis through an unknown centre `at` [m] ahead of the pupil and
     inclined by unknown slopes, whose standard uncertainty is `u_tilt`; `u` [m] is that of the radius.
+
+    `doubt`: variances of the slopes about what was found and their covariance. A gauge seems smaller by half the square
+    of a slope, in its plane, whatever its sign: by that on average, and by three unknown "squares" more, of its
+    standard deviations (Isserlis).
     """
 
     diameter: float
     at: float = 0.0
     u: float | None = None
     u_tilt: float = U_TILT
+    doubt: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.diameter < np.inf:
@@ -118,15 +131,23 @@ class RingGauge(Reference):
 
     @property
     def nuisance_names(self) -> tuple[str, ...]:
-        return ("centre_x", "centre_y", "slope_x", "slope_y") if self.u_tilt > 0 else ("centre_x", "centre_y")
+        if not self.u_tilt > 0:
+            return CENTRE
+        return (*CENTRE, *SLOPES) if self.doubt is None else (*CENTRE, *SLOPES, *SQUARES)
 
     @property
     def nuisance_u(self) -> Array:
-        return np.array([np.inf, np.inf, self.u_tilt, self.u_tilt][: len(self.nuisance_names)])
+        return np.array([np.inf, np.inf, self.u_tilt, self.u_tilt, 1.0, 1.0, 1.0][: len(self.nuisance_names)])
+
+    def doubting(self, covariance: Array | None) -> Self:
+        if covariance is None or not self.u_tilt > 0:
+            return replace(self, doubt=None)
+        (xx, xy), (_, yy) = covariance[2:4, 2:4].tolist()
+        return replace(self, doubt=(xx, yy, xy))
 
     def gap(self, points: Array, nuisance: Array) -> Gap:
-        """With w from a place on the axis a to the point: |w - (w . a) a| - diameter / 2."""
-        axis = np.array([*(nuisance[2:] if self.u_tilt > 0 else (0.0, 0.0)), 1.0])
+        """With w from a place on the axis a to the point: |w - (w . a) a| - diameter / 2, and what `doubt` adds."""
+        axis = np.array([*(nuisance[2:4] if self.u_tilt > 0 else (0.0, 0.0)), 1.0])
         length = np.linalg.norm(axis)
         axis = axis / length
         arms = points - np.array([nuisance[0], nuisance[1], self.at])
@@ -136,7 +157,21 @@ class RingGauge(Reference):
         outwards = across / distance[:, None]
         by_slope = -(along / length)[:, None] * outwards[:, :2]
         by_nuisance = np.concatenate([-outwards[:, :2], by_slope], axis=1)[:, : len(self.nuisance_names)]
-        return Gap(distance - self.diameter / 2, outwards, by_nuisance)
+        if self.doubt is None or not self.u_tilt > 0:
+            return Gap(distance - self.diameter / 2, outwards, by_nuisance)
+        mean, by_squares = self._squares(outwards)
+        value = distance - self.diameter / 2 + mean + by_squares @ nuisance[4:]
+        return Gap(value, outwards, np.concatenate([by_nuisance, by_squares], axis=1))
+
+    def _squares(self, outwards: Array) -> tuple[Array, Array]:
+        """Mean (n,) and standard deviations (n, 3) of what the square of the slopes' errors adds to gaps."""
+        assert self.doubt is not None
+        xx, yy, xy = self.doubt
+        x, y = outwards[:, 0], outwards[:, 1]
+        by_products = -self.diameter / 4 * np.stack([x**2, y**2, 2 * x * y], axis=1)
+        spread = [[2 * xx**2, 2 * xy**2, 2 * xx * xy], [0.0, 2 * yy**2, 2 * yy * xy], [0.0, 0.0, xx * yy + xy**2]]
+        strength, axes = np.linalg.eigh(np.array(spread), UPLO="U")
+        return by_products @ [xx, yy, xy], by_products @ (axes * np.sqrt(np.maximum(strength, 0.0)))
 
     def first_guess(self, points: Array) -> Array:
         """The centre of the circle; where the ring is flat, the inclination that would make its ellipse: the first
