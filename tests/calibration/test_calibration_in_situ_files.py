@@ -120,7 +120,7 @@ def test_a_ring_gauge_gives_the_baseline(tmp_path):
         ('profile = "out"\nrig = "rig.toml"\ngauge = "12 in"\nreference = "t.csv"\n', "gauge, reference is given"),
         ('profile = "out"\nrig = "rig.toml"\ntactile = "folder"\n', "tactile, a scan folder, and probe"),
         ('profile = "out"\nrig = "rig.toml"\ngauge = "12"\n', "has no unit"),
-        ('profile = "out"\nrig = "rig.toml"\nreference = "none.csv"\n', "cannot be read as a table of numbers"),
+        ('profile = "out"\nrig = "rig.toml"\nreference = "none.csv"\n', "none.csv is not there; copy the table there"),
         ('profile = "out"\nrig = "rig.toml"\ngauge = "12 in"\n', "out is not a folder; give the result folder"),
     ],
 )

@@ -16,6 +16,7 @@ from calibore.cli._failure import telling_failures
 from calibore.cli._help import show_help
 from calibore.cli._profile import profile
 from calibore.cli._reproduce import reproduce
+from calibore.cli._simulate import simulate
 
 app = typer.Typer(
     name="calibore",
@@ -42,7 +43,7 @@ def _common(
     pass
 
 
-for verb in (demo, profile, export, reproduce):
+for verb in (demo, profile, export, reproduce, simulate):
     app.command()(verb)
 app.add_typer(calibrate)
 app.add_typer(design)

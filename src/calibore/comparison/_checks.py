@@ -71,12 +71,9 @@ def why_not_registered(moving: Profile, reference: Profile, names: Names, error:
             f"The two do not overlap along the pipe: {said[0]}, {said[1]}. Check the origins of their motion tables, "
             'or give --start "axial=...".'
         )
-    inside = [
-        (np.abs(p.axial_position - (low + high) / 2) <= (high - low) / 2 + p.spacing) for p in (moving, reference)
-    ]
-    if not all((p.measured & one).any() for p, one in zip((moving, reference), inside, strict=True)) or "Only" in str(
-        error
-    ):
+    middle, half = (low + high) / 2, (high - low) / 2
+    inside = [p.measured & (np.abs(p.axial_position - middle) <= half + p.spacing) for p in (moving, reference)]
+    if not all(one.any() for one in inside) or "Only" in str(error):
         return InputError(
             f"Where the two overlap along the pipe, {1e3 * low:.4g} to {1e3 * high:.4g} mm, hardly a point has a value "
             f"in both; {said[0]}, {said[1]}. Check why the points are missing there (status in profile.zarr)."

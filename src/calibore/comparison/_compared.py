@@ -68,6 +68,13 @@ class Compared:
         """(m,) [rad] of the moving profile's clock positions on the reference; single points: `difference.clock`."""
         return np.mod(self.moving.clock + self.registration.motion.roll, 2 * np.pi)
 
+    def away_from_edges(self, row: int | None = None) -> Errors:
+        """Errors of points, of all rings or of one `row`, where noise is more than what an edge may hide."""
+        rows = slice(None) if row is None else slice(row, row + 1)
+        one = self.difference
+        known = np.isfinite(self.value) & np.isfinite(self.u) & (np.nan_to_num(one.missed) <= one.u_independent)
+        return errors_of(self.value, self.u, known[rows], np.zeros_like(known[rows]), place=one.axial, rows=rows)
+
     @property
     def rings(self) -> dict[int, Errors]:
         """What is left on every ring that could be compared, by its row."""

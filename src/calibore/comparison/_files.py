@@ -25,7 +25,7 @@ SCAN, RESULT = "scan.toml", "profile.zarr"
 
 
 def kind_of(folder: Path) -> str:
-    """ "result" or "scan"; raises InputError for anything else."""
+    """What a folder is, "result" or "scan"; raises InputError for anything else."""
     if (folder / RESULT).exists():
         return "result"
     if folder.is_file() or (folder / SCAN).is_file():
@@ -66,12 +66,10 @@ def difference_dataset(found: Compared) -> "xarray.Dataset":
         "weight": (weight, "", "robust weight of the point in the registration"),
     }
     if change is not None:
-        grids["significance"] = (
-            change.significance, "", "greatest mean around a point in its standard uncertainties, signed",
-        )  # fmt: skip
-        grids["level_of_detection"] = (
-            change.level_of_detection, "m", "least change of the best window around a point found with 95 % probability",
-        )  # fmt: skip
+        said = "greatest mean around a point in its standard uncertainties, signed"
+        grids["significance"] = (change.significance, "", said)
+        said = "least change of the best window around a point that is found with 95 % probability"
+        grids["level_of_detection"] = (change.level_of_detection, "m", said)
     variables: dict[str, Any] = {
         name: (ON_STATIONS, values, {"long_name": said} | ({"units": unit} if unit else {}))
         for name, (values, unit, said) in grids.items()
@@ -102,9 +100,8 @@ def write_arrays(found: Compared, folder: Path) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
         for row, ring in found.rings.items():
-            writer.writerow(
-                [row, *(f"{v:.9g}" if isinstance(v, float) else v for v in _errors(ring, "axial_m").values())]
-            )
+            values = _errors(ring, "axial_m").values()
+            writer.writerow([row, *(f"{one:.9g}" if isinstance(one, float) else one for one in values)])
 
 
 def numbers(found: Compared) -> dict[str, Any]:
@@ -115,9 +112,7 @@ def numbers(found: Compared) -> dict[str, Any]:
         "moving": found.names[0],
         "reference": found.names[1],
         "registration": {
-            "motion": {
-                name: float(value) for name, value in zip(Motion.names, registration.motion.values, strict=True)
-            },
+            "motion": dict(zip(Motion.names, registration.motion.values.tolist(), strict=True)),
             "pivot": float(registration.motion.pivot),
             "u": {name: registration.u(name) for name in registration.names},
             "covariance": {"names": list(registration.names), "matrix": registration.covariance.matrix},
@@ -133,6 +128,7 @@ def numbers(found: Compared) -> dict[str, Any]:
             "degrees_of_freedom": agreed.degrees_of_freedom,
         },
         "errors": _errors(agreed.overall, "radius_m"),
+        "errors_away_from_edges": _errors(found.away_from_edges(), "axial_m"),
         "outlier_rule": {"limit_m": agreed.rule.limit, "sigma": agreed.rule.sigma},
         "by_radius": [_errors(one, "radius_m") for one in agreed.by_radius],
         "rings": [{"ring": row, **_errors(one, "axial_m")} for row, one in found.rings.items()],

@@ -14,6 +14,7 @@ gives it, its ring quantities, and the nominal radius [m]. Files are the caller'
 `design_chart`                       the designs that an optimisation found
 `calibration_pictures`, `difference_pictures`, `plan_pictures`   what a calibration means, how two differ, what to
                                      photograph next
+`comparison_pictures`                two profiles compared
 `known_rig`, `nominal_radius_of`, `shown_radii`, `image_lattice`   where those pictures look
 `length_unit`, `plain_text`          the reader's unit; numbers without exponents
 `save_picture`, `save_vector`        a figure as PNG, as SVG
@@ -23,6 +24,7 @@ gives it, its ring quantities, and the nominal radius [m]. Files are the caller'
 from calibore.plotting._along import diameter_along, ovality_along
 from calibore.plotting._calibration import calibration_pictures, difference_pictures, plan_pictures
 from calibore.plotting._calibration_parts import image_lattice, known_rig, nominal_radius_of, shown_radii
+from calibore.plotting._comparison import comparison_pictures
 from calibore.plotting._design import DesignPicture, design_pictures, save_vector
 from calibore.plotting._design_build import limit_text, parameter_words
 from calibore.plotting._figures import COVERAGE_FACTOR, save_picture
@@ -50,6 +52,7 @@ __all__ = [
     "axial_unit",
     "calibration_pictures",
     "clock_text",
+    "comparison_pictures",
     "design_chart",
     "design_pictures",
     "detected_line",

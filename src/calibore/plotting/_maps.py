@@ -18,7 +18,7 @@ from calibore.errors import InputError
 from calibore.plotting._figures import FAINT_INK, INK, MISSING_GREY, SMALL_SIZE, TEXT_SIZE, new_figure, style_axes
 from calibore.plotting._lengths import LengthUnit, checked_radius, length_unit
 from calibore.plotting._stations import Floats, Layout, block_extremes, block_starts, lay_out, thinned, thinning_note
-from calibore.plotting._walls import CLOCK_TICKS, Wall, centred_clock, clock_text, wall_of
+from calibore.plotting._walls import CLOCK_TICKS, centred_clock, clock_text, wall_of
 
 DEVIATION_COLOURS = "RdBu_r"
 UNCERTAINTY_COLOURS = "viridis"

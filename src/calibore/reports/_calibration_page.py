@@ -28,7 +28,7 @@ def write_page(
     """
     marker, page, form = f"{name}.json", f"{name}.html", f"calibore-{name}-page/1"
     with whole_folder(out, listed_in(marker, form), what=f"{name} page") as folder:
-        shown = [_saved(picture, folder) for picture in pictures]
+        shown = [saved_picture(picture, folder) for picture in pictures]
         text = _filled(dict.fromkeys(TABLES, ()) | words | {"pictures": shown, "version": __version__})
         (folder / page).write_text(text, encoding="utf-8", newline="\n")
         listed = sorted([path.name for path in folder.iterdir()] + [marker])
@@ -51,7 +51,8 @@ def plain_numbers(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _saved(picture: DesignPicture, folder: Path) -> dict[str, str]:
+def saved_picture(picture: DesignPicture, folder: Path) -> dict[str, str]:
+    """`picture` as PNG and SVG in `folder`; its words and data for a page."""
     path = save_picture(picture.figure, folder / f"{picture.name}.png")
     picture.figure.set_layout_engine("none")  # it is laid out; doing so again takes as long as drawing
     save_vector(picture.figure, folder / f"{picture.name}.svg")

@@ -1,9 +1,11 @@
 """Simulated surveys with known truth: pipe walls, pictures of the laser line, whole scan folders.
 
-`PipeWall` and its parts (`Ovality`, `Harmonic`, `Dent`, `Rail`, `LateralOpening`, `OffsetJoint`, `Roughness`)
+`PipeWall` and its parts (`Ovality`, `Harmonic`, `Dent`, `Rail`, `LateralOpening`, `OffsetJoint`, `Roughness`,
+                 `ConicalProtrusion`, `Crack`, `Corrugation`, or a `MeasuredWall`)
 `render_ring`    one picture; `lit_line` and `photograph` are its two halves, `true_ring` or `true_rows` what it shows;
                  `photograph_all` several lasers at once
 `simulate_scan`  a `Survey` of `Station`s written as a scan folder with truth.npz; `head_pose` of a side-facing head
+`read_survey`    a `Survey` from a specification file; `Wander`: how its carriage strays
 `demo_scan`      the demonstration pipe
 `photograph_board`  a chessboard, ChArUco board or dots; `unknown_fisheye`: a camera whose lens no law fits
 `photograph_flat`   a flat target before a side-facing head; a ring gauge is a `PipeWall`
@@ -17,6 +19,7 @@ glare, no Bayer pattern.
 
 from calibore.simulation._board_target import photograph_board, unknown_fisheye
 from calibore.simulation._chance import draw_rig, random_pose, random_wall
+from calibore.simulation._damage import ConicalProtrusion, Corrugation, Crack, MeasuredWall
 from calibore.simulation._demo import demo_rig, demo_scan, demo_survey, demo_wall
 from calibore.simulation._known_surfaces import FlatFace, lit_flat, photograph_flat
 from calibore.simulation._light import LineLight, LitLine, lit_line
@@ -36,19 +39,25 @@ from calibore.simulation._random_rigs import RIG_KINDS, random_rig
 from calibore.simulation._ring_target import photograph_rings
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._soft_edges import TargetLight
+from calibore.simulation._spec import read_survey
 from calibore.simulation._speckle import speckle_field
 from calibore.simulation._survey import Station, Survey, head_pose, simulate_scan
 from calibore.simulation._truth import TrueRing, TrueRows, true_quantities, true_ring, true_rows
 from calibore.simulation._wall import PipeWall
+from calibore.simulation._wander import Wander
 
 __all__ = [
     "RIG_KINDS",
+    "ConicalProtrusion",
+    "Corrugation",
+    "Crack",
     "Dent",
     "FlatFace",
     "Harmonic",
     "LateralOpening",
     "LineLight",
     "LitLine",
+    "MeasuredWall",
     "OffsetJoint",
     "Ovality",
     "Pin",
@@ -62,6 +71,7 @@ __all__ = [
     "TrueRing",
     "TrueRows",
     "WallPart",
+    "Wander",
     "demo_rig",
     "demo_scan",
     "demo_survey",
@@ -80,6 +90,7 @@ __all__ = [
     "random_pose",
     "random_rig",
     "random_wall",
+    "read_survey",
     "render_ring",
     "simulate_scan",
     "speckle_field",

@@ -19,6 +19,7 @@ from calibore.simulation._picture import photograph_all
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._truth_file import Columns, ring_columns, row_columns, station_truth
 from calibore.simulation._wall import PipeWall
+from calibore.simulation._wander import Wander
 
 TRUTH = "truth.npz"
 Progress = Callable[[int, int], None]
@@ -44,7 +45,8 @@ class Station:
 class Survey:
     """`rig` (as it truly is) is driven along `wall` and stops at `origin` + number x `step` [m]; `pose` is
     pipe_from_rig, to which the axial position is added. Each laser shines in the takes it names. `angular` = (origin,
-    step) [rad]: clocks of a side-facing head. `stated`: the rig as its file describes it, None for exactly.
+    step) [rad]: clocks of a side-facing head. `stated`: the rig as its file describes it, None for exactly;
+    `wander`: how the carriage strays, which nobody states.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Survey:
     stated: Rig | None = None
     prefix: str = "pipe"
     angular: tuple[float, float] | None = None
+    wander: Wander = field(default_factory=Wander)
 
     def __post_init__(self) -> None:
         stops = [(station.number, station.angular) for station in self.stations]
@@ -81,7 +84,7 @@ class Survey:
     def pose_at(self, station: int, angular: int | None = None) -> Pose:
         """pipe_from_rig at this station; of the head, where it has turned to its stop `angular`."""
         axial = np.array([0.0, 0.0, self.origin + station * self.step])
-        pose = Pose(self.pose.rotation, self.pose.translation + axial)
+        pose = Pose(self.pose.rotation, self.pose.translation + axial) @ self.wander.at(station)
         if self.angular is None or angular is None:
             return pose
         return pose @ head_pose(self.angular[0] + angular * self.angular[1])

@@ -13,8 +13,8 @@ Array = NDArray[np.float64]
 FIRST_STEP = 0.25
 """px: from it the first slope."""
 STEPS = 12
-FOUND = 1e-8
-"""px: a step as small as that ends the search."""
+FOUND = 1e-5
+"""px: a step as small as that ends the search; secants leave less than a thousandth of it."""
 
 
 class Aims(NamedTuple):
@@ -83,15 +83,16 @@ def _gap(rig: Rig, target: RingTarget, aims: Aims, shift: Array, half: Array | f
     middle: the radii of its edges, not its own, have the printed radius as their mean.
     """
     if aims.radius is None:
-        return target.across(_seen(rig, target, *aims.at(shift)), aims.angle).value
+        return target.off_spoke(_seen(rig, target, *aims.at(shift)), aims.angle)
     if not np.any(half):
-        return target.radius(_seen(rig, target, *aims.at(shift))).value - aims.radius
-    edges = [target.radius(_seen(rig, target, *aims.at(shift + way * half))).value for way in (-1, 1)]
+        return target.off_centre(_seen(rig, target, *aims.at(shift))) - aims.radius
+    edges = [target.off_centre(_seen(rig, target, *aims.at(shift + way * half))) for way in (-1, 1)]
     return (edges[0] + edges[1]) / 2 - aims.radius
 
 
 def _seen(rig: Rig, target: RingTarget, u: Array, v: Array) -> Array:
     """Points (m, 3) of the target's plane, without sensitivities: ten times faster than `triangulate`."""
     rays = rig.camera.unproject(u, v)
-    distance = target.plane.meet(*rays).distance[0]
+    plane = target.plane
+    distance = -plane.value(np.atleast_2d(rays.origin)) / (rays.direction @ plane.normal)
     return rays.origin + distance[:, None] * rays.direction

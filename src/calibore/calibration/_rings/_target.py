@@ -47,6 +47,17 @@ class RingTarget:
         x, y = x + self.centre_x, y + self.centre_y
         return np.stack([x, y, self.baseline + self.tilt_x * x + self.tilt_y * y], axis=1)
 
+    def off_centre(self, points: Array) -> Array:
+        """(n,) [m]: the value of `radius` alone."""
+        x, y, rise = self._from_centre(points)
+        return np.sqrt(x * x + y * y + rise * rise)
+
+    def off_spoke(self, points: Array, angle: Array) -> Array:
+        """(n,) [m]: the value of `across` alone."""
+        x, y, rise = self._from_centre(points)
+        a, b = self._lengths
+        return np.cos(angle + self.roll) * y * b / a - np.sin(angle + self.roll) * (x + self.tilt_x * rise) / a
+
     def radius(self, points: Array) -> Place:
         """Distance from the centre of `points` (n, 3) of the plane."""
         x, y, rise = self._from_centre(points)
