@@ -10,8 +10,9 @@ import numpy as np
 from benchmarks.peers import opencv_script
 from benchmarks.surveys import PLANE, image_paths, stated_rig
 from benchmarks.timing import compare
+from calibore.crews import in_order
 from calibore.images import read_image
-from calibore.profiling import Job, Ring, Tally, in_order, measure_image, measure_scan, prepare, profile_scan
+from calibore.profiling import Job, Ring, Tally, measure_image, measure_scan, prepare, profile_scan
 from calibore.scans import read_scan
 
 REFERENCE = "OpenCV imread + warpPolar + NumPy, radii only"

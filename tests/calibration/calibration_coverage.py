@@ -77,20 +77,20 @@ def boards(seed):
     return Outcome(held, *_judged(found.fit, names, slopes.reshape(-1, len(names)), error.ravel()))
 
 
-def flat(seed, *, stated):
+def flat(seed, *, stated, rows=48):
     """Ranges of 5, 8 and 11 in, of all stops as they are."""
     rng = np.random.default_rng([14, seed])
     u_range = float(np.exp(rng.uniform(np.log(1e-5), np.log(2e-4))))
-    true, design, looks = random_head(rng, stated=stated, u_range=u_range, stops=int(rng.integers(8, 15)), rows=48)
+    true, design, looks = random_head(rng, stated=stated, u_range=u_range, stops=int(rng.integers(8, 15)), rows=rows)
     found = fit_range(design, looks, known=None)
     ranges = np.array([[0.0, 5.0, 0.0], [0.0, 8.0, 0.0], [0.0, 11.0, 0.0]]) * INCH
     return _of_rig(found, true, true.project(ranges))
 
 
-def gauges(seed, *, true):
+def gauges(seed, *, true, marks=160):
     """Radii at the clocks of four marks in a gauge of 240 mm."""
     rng = np.random.default_rng([15, seed])
-    found, _ = fit_gauges(designed(true, rng), looks_at_gauges(true, rng, marks=160))
+    found, _ = fit_gauges(designed(true, rng), looks_at_gauges(true, rng, marks=marks))
     at = gauge_look(true, 0.24, rng, name="wall", noise=1e-9, marks=4)
     return _of_rig(found, true, (at.u, at.v), near=0.12)
 
@@ -121,9 +121,12 @@ KINDS = {
     "concentric rings": (rings, {}),
     "boards": (boards, {}),
     "range, u_range stated": (flat, {"stated": True}),
+    "range, u_range stated, 24 rows": (flat, {"stated": True, "rows": 24}),
     "range, nothing stated": (flat, {"stated": False}),
     "ring gauges, plane": (gauges, {"true": PLANE}),
     "ring gauges, cone": (gauges, {"true": CONE}),
+    "ring gauges, plane, 64 marks": (gauges, {"true": PLANE, "marks": 64}),
+    "ring gauges, cone, 64 marks": (gauges, {"true": CONE, "marks": 64}),
     "two pins": (pupil, {"bias": 0.02}),
     "two pins, all marks independent": (pupil, {"bias": 0.0}),
     "probe": (probe, {}),

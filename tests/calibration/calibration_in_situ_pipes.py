@@ -34,7 +34,7 @@ def side_rig():
     return Rig("side-facing", camera, (Laser(Sheet(), "red"),), mount=SideFacing(2.355 * INCH, np.radians(19.9)))
 
 
-def sightings(rig, wall, rng, *, pose=None, noise=NOISE, marks=60):
+def sightings(rig, wall, rng, *, pose=None, noise=NOISE, marks=40):
     """Marks of `rig` in the pipe; the reference lies at `pose` (6,) in the scan's frame."""
     pose = np.zeros(6) if pose is None else pose
     forward = not isinstance(rig.mount, SideFacing)

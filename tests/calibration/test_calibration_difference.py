@@ -1,5 +1,6 @@
 """Is this the same camera as last year: answered by chance where it is, by name where it is not."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -129,6 +130,21 @@ def test_a_changed_lens_is_found_and_named():
     assert "k alone" in words
     assert "+2.58 %" in words
     assert "6 in" in words
+
+
+@pytest.mark.parametrize("unit", ["mm", "in"])
+@pytest.mark.parametrize("change", [{}, {"laser.baseline": 1e-7}, {"laser.baseline": 0.04}, {"camera.k": 1e-5}])
+def test_the_verdict_is_written_as_people_write_numbers(change, unit):
+    rig = known(plane_rig())
+    words = difference(rig, moved(rig, change), nominal_radius=RADIUS).verdict(unit)
+    assert not re.search(r"\d[eE][-+]?\d|nan|inf", words)
+    assert f"R = {'152.4 mm' if unit == 'mm' else '6 in'} " in words
+    assert ("by 0 px rms" in words) == ("camera.k" not in change)
+
+
+def test_one_direction_is_one():
+    only_k = plane_rig().knowing(Covariance.independent({"camera.k": 0.1}))
+    assert "in 1 direction)" in difference(only_k, only_k, nominal_radius=RADIUS).verdict()
 
 
 def test_what_every_ring_takes_up_as_its_centre_is_no_difference_on_the_wall():

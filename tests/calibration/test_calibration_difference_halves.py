@@ -42,8 +42,7 @@ def test_errors_that_both_halves_share_are_no_difference():
     alike = replace(
         calibration,
         covariance=Covariance(LENS, calibration.covariance.matrix + np.outer(of_scale, of_scale)),
-        group_sigma=5.0,
-        observations=replace(seen, group=0 * seen.group, load=seen.jacobian[:, 0]),
+        observations=replace(seen, group=0 * seen.group, load=seen.jacobian[:, 0], known_group_sigma=5.0),
     )
     assert abs(halves(alike).expected / halves(calibration).expected - 1) < 0.05
 

@@ -80,6 +80,16 @@ def test_the_parameter_that_moved_is_named_on_a_side_facing_head(tmp_path, name,
     )
 
 
+def test_what_was_taken_as_exact_is_called_so_and_models_by_their_words(tmp_path):
+    rng, wall, rig = np.random.default_rng(9), dented_wall(), side_rig().knowing(BASELINE)
+    alignment = looks_of(rig, wall, tmp_path, rng)
+    found = fit_in_situ(rig, alignment.looks, free=("camera.k", "laser.baseline"))
+    said = list(in_situ_findings(found, alignment, target(rig, wall, tmp_path).unit))
+    assert any(one.startswith("k: in use 3274") and "px (taken as exact), found" in one for one in said)
+    assert any(one.startswith("Baseline: in use 2.35") and "(u = 0.0030 in), found" in one for one in said)
+    assert {"nothing moved", "k moved", "baseline moved", "k and baseline moved"} <= {one.model for one in found.models}
+
+
 def test_the_calibration_in_use_may_count_beside_the_reference(tmp_path):
     rng, wall = np.random.default_rng(4), dented_wall()
     old = Covariance.independent({"laser.baseline": 2e-4 * INCH})

@@ -138,7 +138,7 @@ def test_the_evidence_holds_every_stretch_with_its_jacobian(calibrated):
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        ({"images": '"other {take}.png"'}, r"No image in .* matches"),
+        ({"images": '"other {take}.png"'}, r"No image in .* matches \"other {take}\.png\""),
         ({"images": '"none.png"'}, r'images = "none.png" matches no file'),
         ({"rings": "3"}, r"key rings = 3 is wrong"),
         ({"ring_spacing": '"20"'}, r"has no unit"),

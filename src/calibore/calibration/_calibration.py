@@ -66,6 +66,13 @@ class Observations:
     known_group_sigma: float | None = None
     whitened: Array | None = None
 
+    @property
+    def typical_load(self) -> float:
+        """What a unit of its group's error typically does to a residual."""
+        if self.load is None or not self.load.any():
+            return 1.0
+        return float(1 / np.median(1 / np.abs(self.load[self.load != 0])))
+
     def __post_init__(self) -> None:
         n, q = self.residual.size, len(self.names)
         rows = ("file", "u", "v", "residual", "sigma", "weight", "group", "load", "chain")

@@ -95,7 +95,7 @@ def halves(calibration: Calibration, *, nominal_radius: float | None = None) -> 
     unit, of = _parts(seen)
     parted = np.unique(of)
     stated = calibration.covariance.restricted(names).factor()
-    data = HalvesData(seen, names, calibration.group_sigma)
+    data = HalvesData(seen, names, _group_sigma(calibration))
     pixels = image_grid(side.camera, valid=calibration.valid)
     slopes, turns = projection_slopes(side.camera, *pixels)
     slopes = slopes[:, :, [side.camera.parameter_names.index(name) for name in moving]]
@@ -126,6 +126,13 @@ def halves(calibration: Calibration, *, nominal_radius: float | None = None) -> 
         *_on_wall(side.rig, names, change, factors, nominal_radius),
         data.known.size > 0 and expected < OUTWEIGHED * float(np.sqrt(2 / count) * _size(in_image(stated))),
     )
+
+
+def _group_sigma(calibration: Calibration) -> float:
+    """Standard deviation of what groups share, in the unit of which `load` says what it does to residuals."""
+    seen = calibration.observations
+    known = seen.known_group_sigma
+    return calibration.group_sigma / seen.typical_load if known is None else known
 
 
 def _parts(seen: Observations) -> tuple[str, NDArray[np.intp]]:

@@ -9,6 +9,7 @@ import typer
 
 from calibore import __version__
 from calibore.cli._calibrate import calibrate
+from calibore.cli._compare import compare
 from calibore.cli._demo import demo
 from calibore.cli._design import design
 from calibore.cli._export import export
@@ -43,7 +44,7 @@ def _common(
     pass
 
 
-for verb in (demo, profile, export, reproduce, simulate):
+for verb in (demo, profile, compare, export, reproduce, simulate):
     app.command()(verb)
 app.add_typer(calibrate)
 app.add_typer(design)

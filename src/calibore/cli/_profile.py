@@ -14,10 +14,15 @@ from calibore.cli._failure import PARTLY_REFUSED, wrong_usage
 from calibore.cli._probe import probe_made_from
 
 if TYPE_CHECKING:
+    from calibore.crews import Workers as Crew
     from calibore.profiling import Progress
 
 Out = Annotated[Path, typer.Option("--out", "-o", help="Result folder; it appears when everything is done.")]
 Workers = Annotated[int | None, typer.Option(min=1, help="Threads.", show_default="all cores")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(help="Dask scheduler whose workers do it, e.g. tcp://10.0.0.5:8786; they see the same files."),
+]
 DIGITS = {"mm": 3, "in": 4}
 UnitName = Annotated[str, typer.Option("--unit", help="Length unit of pictures and report: mm or in.")]
 
@@ -30,6 +35,7 @@ def profile(
         typer.Option(help="zero-crossing, parabola (the dissertation's), maximum, threshold, centroid, correlation."),
     ] = "zero-crossing",
     workers: Workers = None,
+    scheduler: Scheduler = None,
     unit: UnitName = "mm",
     pictures: Annotated[bool, typer.Option(help="Draw the pictures and the report.")] = True,
     exports: Annotated[
@@ -43,14 +49,28 @@ def profile(
 
     with wrong_usage():
         finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
-    with probe_made_from(scan) as made:
+    with probe_made_from(scan) as made, crew_of(workers, scheduler) as crew:
         options: dict[str, Any] = {"finisher": made.put_beside(finish), "probe": made.probe} if made else {}
         with progress_bar("Profiling", quiet=json) as progress:
-            options = {"finisher": finish, "workers": workers, "progress": progress} | options
+            options = {"finisher": finish, "workers": crew, "progress": progress} | options
             summary = profile_scan(scan, out, estimator=estimator, **options)
     tell(summary, out, unit=unit, json=json)
     if summary["counts"].get("refused_images") or summary["counts"].get("refused_readings"):
         raise typer.Exit(PARTLY_REFUSED)
+
+
+@contextmanager
+def crew_of(workers: int | None, scheduler: str | None) -> Iterator["Crew | None"]:
+    """Threads of this machine, all where none are given, or the machines behind a Dask scheduler while the block runs."""
+    if scheduler is None:
+        yield workers
+        return
+    if workers is not None:
+        raise typer.BadParameter("Give either --workers, threads of this machine, or --scheduler.")
+    from calibore.crews import Cluster
+
+    with Cluster(scheduler) as cluster:
+        yield cluster
 
 
 @contextmanager

@@ -30,15 +30,16 @@ NEAR_FACTOR = 0.03
 SAME_PIPE = 1.25
 """Ratio of median radii beyond which no single pipe was measured."""
 BEYOND = 5.0
-"""Standard uncertainties beyond which a difference is none of chance."""
-MANY = 0.10
+"""Standard deviations of noise beyond which a difference is none of chance."""
+MANY = 0.25
 """Of the points beyond: then it is asked whether something is wrong with the pair."""
 MIRROR = 3.0
 """Times better a mirrored profile must fit to be called mirrored."""
-MIRROR_RINGS, MIRROR_CLOCKS = 8, 2
-"""Rings and every how manieth clock position are enough to tell."""
-COMMON = 0.5
-"""Share of either wall's own shape that the other must show to be the same pipe."""
+MIRROR_RINGS = 8
+"""Rings enough to tell."""
+ALIKE, WHOLE = 0.65, (0.8, 1.25)
+"""Correlation of the shapes of two walls below which they may be different pipes; they are not where all of one wall's
+shape, within these limits, is found in the other: then one of them has changed."""
 SHAPED = 3.0
 """Standard uncertainties by which a wall's shape must stand out for that to be asked."""
 
@@ -83,18 +84,19 @@ def why_not_registered(moving: Profile, reference: Profile, names: Names, error:
 
 def check_outcome(difference: Difference, moving: Profile, reference: Profile, names: Names) -> tuple[str, ...]:
     """After registration: warnings; raises InputError where clocks run against each other or pipes are different."""
-    value, u = difference.value, difference.u
-    known = np.isfinite(value) & np.isfinite(u)
+    value = difference.adjusted
+    noise = np.hypot(difference.u_independent, difference.missed)
+    known = np.isfinite(value) & np.isfinite(noise)
     if not known.any():
         raise InputError(f"No point of {names[0]} lies where {names[1]} has one; check what is missing in either.")
-    beyond = float(np.mean(np.abs(value[known]) > BEYOND * u[known]))
+    beyond = float(np.mean(np.abs(value[known]) > BEYOND * noise[known]))
     if beyond < MANY:
         return ()
     left = _size(value[known])
     _check_clock(moving, reference, names, left)
     _check_shape(difference, known, names, left)
     return (
-        f"{100 * beyond:.0f} % of the points differ by more than {BEYOND:.0f} standard uncertainties: the wall has "
+        f"{100 * beyond:.0f} % of the points differ by more than {BEYOND:.0f} times their noise: the wall has "
         "changed nearly everywhere, or one of the calibrations is wrong, or these are different pipes.",
     )
 
@@ -142,7 +144,8 @@ def _check_shape(difference: Difference, known: NDArray[np.bool_], names: Names,
     noise = float(np.sqrt(np.mean(difference.u_independent[used] ** 2)))
     sizes = [float(np.sqrt(np.mean(one[used] ** 2))) for one in (own, other)]
     shared = float(np.mean(own[used] * other[used]))
-    if min(sizes) > SHAPED * noise and max(shared / size**2 for size in sizes) < COMMON:
+    whole = any(WHOLE[0] < shared / size**2 < WHOLE[1] for size in sizes)
+    if min(sizes) > SHAPED * noise and shared < ALIKE * sizes[0] * sizes[1] and not whole:
         raise InputError(
             f"{names[0]} and {names[1]} are different pipes, or turned by more than 10 deg against each other: brought "
             f"together as well as can be, they still differ by up to {1e3 * left:.3g} mm over most of the wall, "

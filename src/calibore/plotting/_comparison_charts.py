@@ -26,7 +26,7 @@ FACTOR = 1.96
 """Times u: half of a 95 % interval."""
 MOST_POINTS = 6000
 """Dots in a cloud."""
-BANDS, FEWEST = 30, 8
+BANDS, FEWEST = 30, 20
 """Of the radius, for predicted intervals; points that one must hold."""
 
 
@@ -73,12 +73,11 @@ def radius_chart(found: Compared, *, unit: str = "mm") -> Figure:
     )
     axes = figure.subplots()
     every = max(1, value.size // MOST_POINTS)
-    middle, half, rms = _by_radius(radius, value, u)
-    axes.fill_between(middle, -half, half, color=UPPER_COLOUR, alpha=0.2, linewidth=0, label="predicted, 95 %")
-    axes.plot(middle, half, middle, -half, color=UPPER_COLOUR, linewidth=1.0)
+    edges, half, reach = _by_radius(radius, value, u)
+    axes.stairs(half, edges, baseline=-half, fill=True, color=UPPER_COLOUR, alpha=0.22, label="predicted, 95 %")
+    axes.stairs(half, edges, baseline=-half, color=UPPER_COLOUR, linewidth=1.0)
     axes.plot(radius[::every], value[::every], ".", color=LOWER_COLOUR, markersize=2, alpha=0.5, label="points")
-    axes.plot(middle, FACTOR * rms, color=INK, linewidth=1.2, label="observed: 1.96 rms")
-    axes.plot(middle, -FACTOR * rms, color=INK, linewidth=1.2)
+    axes.stairs(reach, edges, baseline=-reach, color=INK, linewidth=1.0, label="observed, 95 % of points")
     end = 1.15 * max(float(np.quantile(np.abs(value), 0.995)), float(np.nanmedian(half)))
     axes.set_ylim(-end, end)
     style_axes(axes, x_label=f"radius of the reference [{unit}]", y_label=f"{word} of the radius [{unit}]")
@@ -96,7 +95,8 @@ def rings_chart(found: Compared, *, unit: str = "mm") -> Figure | None:
     place = np.array([one.place for one in rings]) / along.metres
     order = np.argsort(place)
     rms, predicted = (np.array([getattr(one, n) for one in rings]) / scale.metres for n in ("rms", "predicted"))
-    plain = np.array([found.away_from_edges(row).predicted for row in found.rings]) / scale.metres
+    plain = [found.away_from_edges(row) for row in found.rings]
+    plain_rms, plain_u = (np.array([getattr(one, n) for one in plain]) / scale.metres for n in ("rms", "predicted"))
     worst = rings[int(np.nanargmax(rms))]
     notes = [
         f"Largest {plain_text(worst.rms / scale.metres, 2)} {unit} at axial {worst.place / along.metres:.4g} "
@@ -105,12 +105,15 @@ def rings_chart(found: Compared, *, unit: str = "mm") -> Figure | None:
     figure = new_figure(3.8, title=f"Root mean square {word}, ring by ring", notes=notes)
     axes = figure.subplots()
     mark = "o-" if len(rings) <= 100 else "-"
-    axes.plot(place[order], rms[order], mark, color=LOWER_COLOUR, markersize=4, label="observed")
-    axes.plot(place[order], plain[order], mark, color=UPPER_COLOUR, markersize=3, label="predicted, edges left out")
-    axes.plot(place[order], predicted[order], "--", color=UPPER_COLOUR, linewidth=0.9, label="predicted, with edges")
+    for seen, every, colour, label in (
+        (plain_rms, rms, LOWER_COLOUR, "observed"),
+        (plain_u, predicted, UPPER_COLOUR, "predicted"),
+    ):
+        axes.plot(place[order], seen[order], mark, color=colour, markersize=3.5, label=f"{label}, edges left out")
+        axes.plot(place[order], every[order], "--", color=colour, linewidth=0.9, label=f"{label}, all points")
     overall = found.agreement.overall.rms / scale.metres
     if found.changes is None:
-        axes.axhline(overall, color=LIMIT_COLOUR, linestyle=":", label=f"all rings: {plain_text(overall, 3)} {unit}")
+        axes.axhline(overall, color=LIMIT_COLOUR, linestyle=":", label=f"all: {plain_text(overall, 3)} {unit}")
     axes.set_ylim(0, None)
     style_axes(axes, x_label=f"axial position along the reference [{along.symbol}]", y_label=f"rms {word} [{unit}]")
     _legend(figure, axes)
@@ -133,19 +136,19 @@ def _mixture(grid: Floats, u: Floats) -> Floats:
 
 
 def _by_radius(radius: Floats, value: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
-    """Middles of bands of the radius, predicted half width, and rms there; NaN where a band holds too few points."""
-    edges = np.linspace(radius.min(), radius.max() + 1e-9, BANDS + 1)
+    """Edges of bands of the radius, predicted and observed half width; NaN where a band holds too few points."""
+    edges = np.linspace(radius.min() - 1e-9, radius.max() + 1e-9, BANDS + 1)
     band = np.clip(np.searchsorted(edges, radius, side="right") - 1, 0, BANDS - 1)
-    half, rms = np.full(BANDS, np.nan), np.full(BANDS, np.nan)
+    half, reach = np.full(BANDS, np.nan), np.full(BANDS, np.nan)
     for number in range(BANDS):
         some = band == number
         if np.count_nonzero(some) >= FEWEST:
-            half[number], rms[number] = FACTOR * np.median(u[some]), np.sqrt(np.mean(value[some] ** 2))
-    return (edges[:-1] + edges[1:]) / 2, half, rms
+            half[number], reach[number] = FACTOR * np.median(u[some]), np.quantile(np.abs(value[some]), 0.95)
+    return edges, half, reach
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
     figure.legend(
-        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=4, fontsize=SMALL_SIZE, frameon=False,
+        *axes.get_legend_handles_labels(), loc="outside lower left", ncols=5, fontsize=SMALL_SIZE, frameon=False,
         labelcolor=FAINT_INK,
     )  # fmt: skip

@@ -3,13 +3,11 @@
 `profile_scan`   a scan folder in, a result folder out
 `measure_scan`   the same station by station, for programs that keep results in memory
 `measure_image`  one picture in memory to a `Ring` on the clock grid
-`in_order`       work on many items on several threads, results in order
 `prepare`        reads and checks what a scan folder says before its first image is read
 """
 
 from calibore.profiling._grid import Ring
 from calibore.profiling._job import Job
-from calibore.profiling._pipeline import in_order
 from calibore.profiling._profile import Finisher, Progress, Sealed, measure_scan, prepare, profile_scan
 from calibore.profiling._station import StationResult, measure_image, measure_station
 from calibore.profiling._summary import Tally
@@ -22,7 +20,6 @@ __all__ = [
     "Sealed",
     "StationResult",
     "Tally",
-    "in_order",
     "measure_image",
     "measure_scan",
     "measure_station",

@@ -1,18 +1,19 @@
 """The main job: a scan folder in, a measured pipe out."""
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from calibore.crews import Cluster, Workers, in_order
 from calibore.errors import InputError
 from calibore.images import ImageSource, StationImages
 from calibore.lasers import Beam
 from calibore.profiling._job import Job
 from calibore.profiling._lasers import check_told_apart
 from calibore.profiling._measured import Example, Measured, Measurement, Progress
-from calibore.profiling._pipeline import in_order
 from calibore.profiling._placement import Placement, Placer, open_source
 from calibore.profiling._side import side_measurement
 from calibore.profiling._station import (
@@ -105,23 +106,42 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
 
 
 def measure_scan(
-    job: Job, source: ImageSource, place: Placer, *, workers: int, tally: Tally
+    job: Job, source: ImageSource, place: Placer, *, workers: Workers, tally: Tally
 ) -> Iterator[StationResult]:
-    """Every usable station in order; what could not be used is counted and named in `tally`."""
+    """Every usable station in order; what could not be used is counted and named in `tally`.
+
+    Threads find lines, which they do side by side; the rest would wait for Python's lock. Other machines do all of it.
+    """
     reading = _Reading(source, place, tally)
+    remote = isinstance(workers, Cluster)
 
-    def work(item: tuple[StationImages, Placement]) -> tuple[StationLines, Placement]:
-        return find_lines(item[0], job), item[1]
+    def work(item: tuple[StationImages, Placement]) -> StationLines | StationResult | StationRefusedError:
+        lines = find_lines(item[0], job)
+        return _evaluated(lines, item[1], job) if remote else lines
 
-    for lines, placement in in_order(reading, work, workers=workers):
-        try:
-            result = evaluate_station(lines, placement, job)
-        except StationRefusedError as refused:
-            tally.refuse(refused.images)
+    placements: deque[Placement] = deque()
+    for found in in_order(_noting(reading, placements), work, workers=workers):
+        placement = placements.popleft()
+        result = _evaluated(found, placement, job) if isinstance(found, StationLines) else found
+        if isinstance(result, StationRefusedError):
+            tally.refuse(result.images)
             continue
         tally.add(result)
         yield result
     tally.leave_out(reading.unplaced, source.refusals, expected=place.expected)
+
+
+def _noting(reading: "_Reading", placements: deque[Placement]) -> Iterator[tuple[StationImages, Placement]]:
+    for images, placement in reading:
+        placements.append(placement)
+        yield images, placement
+
+
+def _evaluated(lines: StationLines, placement: Placement, job: Job) -> StationResult | StationRefusedError:
+    try:
+        return evaluate_station(lines, placement, job)
+    except StationRefusedError as refused:
+        return refused
 
 
 def profile_scan(
@@ -129,7 +149,7 @@ def profile_scan(
     out: Path | str,
     *,
     estimator: str = "zero-crossing",
-    workers: int | None = None,
+    workers: Workers | None = None,
     progress: Progress | None = None,
     finisher: Finisher | None = None,
     probe: Probe | Path | str | None = None,
@@ -154,7 +174,7 @@ def profile_scan(
     return measured.summary
 
 
-def forward_measurement(spec: ScanSpec, *, estimator: str, workers: int, progress: Progress | None) -> Measurement:
+def forward_measurement(spec: ScanSpec, *, estimator: str, workers: Workers, progress: Progress | None) -> Measurement:
     """The measurement of a forward-looking scan, everything checked that can be before its first image is read."""
     job, source, place = prepare(spec, estimator=estimator)
 

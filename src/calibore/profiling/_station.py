@@ -44,6 +44,9 @@ class StationRefusedError(ImageError):
         super().__init__("; ".join(f"{image.name}: {image.reason}" for image in images))
         self.images = tuple(images)
 
+    def __reduce__(self) -> tuple[type, tuple[tuple[RefusedImage, ...]]]:
+        return type(self), (self.images,)
+
 
 @dataclass(frozen=True)
 class StationResult:

@@ -85,9 +85,9 @@ def register(
 ) -> Registration:
     """Brings `moving` onto `reference`, from any `start` within 10 deg, 5 % of the radius and two stations.
 
-    `free` parameters of the motion, others, or all, stay as in `start`; `per_ring`: each ring may in addition turn and shift,
-    smoothly from ring to ring; `search` False: the start is near already. Raises InputError where the two cannot be
-    brought together: no overlap, no common shape.
+    `free` parameters of the motion (none: it is known), others stay as in `start`; `per_ring`: each ring may in
+    addition turn and shift, smoothly from ring to ring; `search` False: the start is near already. Raises InputError
+    where the two cannot be brought together: no overlap, no common shape.
     """
     _check(free)
     about = (start or Motion()).about(float(np.nanmedian(moving.axial_position)))

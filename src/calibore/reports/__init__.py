@@ -8,11 +8,13 @@
 `expanded_text`    `(304.62 ± 0.13) mm`: a value with its expanded uncertainty, rounded to what it can carry
 `write_calibration_page`, `write_difference_page`, `write_plan_page`   what a calibration means, how two differ, which
                    picture is next: a folder each
+`write_comparison`  two profiles compared: arrays, numbers (summary.json), pictures and one page
 `write_optimisation`   the rigs that an optimisation found as a folder of rig files, chart, numbers and one page
 """
 
 from calibore.reports._calibration import write_calibration_page, write_difference_page
 from calibore.reports._calibration_plan import write_plan_page
+from calibore.reports._comparison import write_comparison
 from calibore.reports._design import design_data, write_design
 from calibore.reports._finisher import finisher, illustrate
 from calibore.reports._numbers import expanded_text
@@ -28,6 +30,7 @@ __all__ = [
     "illustrate",
     "optimisation_folder",
     "write_calibration_page",
+    "write_comparison",
     "write_design",
     "write_difference_page",
     "write_optimisation",

@@ -145,7 +145,7 @@ def _difference_facts(difference: Difference, unit: str) -> list[Fact]:
         band = wall.coverage * wall.u_mean[at] / scale.metres
         facts.append(
             {
-                "name": f"Mean radius at R = {plain_text(nominal / scale.metres, 4)} {unit}",
+                "name": f"Mean radius at R = {nominal / scale.metres:.6g} {unit}",
                 "value": f"{plain_text(wall.mean[at] / scale.metres, 2, sign=True)} {unit}",
                 "remark": f"95 % of unchanged rigs stay within {plain_text(band, 2)} {unit}",
             }

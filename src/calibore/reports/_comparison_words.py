@@ -26,14 +26,14 @@ def _error_answer(found: Compared, unit: str) -> list[str]:
     rule = found.agreement.rule.said(lambda limit: f"{limit / size:.4g} {unit}")
     first = (
         f"{found.names[0]} against {found.names[1]}: rms error {plain_text(overall.rms / size, 3)} {unit}, predicted "
-        f"{plain_text(overall.predicted / size, 3)} {unit}; {100 * overall.inside:.1f} % of {overall.points} points lie "
-        "inside their 95 % intervals."
+        f"{plain_text(overall.predicted / size, 3)} {unit}; {100 * overall.inside:.1f} % of {overall.points} points "
+        "lie inside their 95 % intervals."
     )
     away = (
         f"Edges left out ({plain.points} points): rms {plain_text(plain.rms / size, 3)} {unit}, predicted "
         f"{plain_text(plain.predicted / size, 3)} {unit}."
     )
-    return [first, _verdict(overall.inside), away, f"{overall.outliers} outliers ({rule}), not in the rms."]
+    return [first, away, _verdict(overall.inside), f"{overall.outliers} outliers ({rule}), not in the rms."]
 
 
 def _verdict(inside: float) -> str:
@@ -67,8 +67,8 @@ def _change_answer(found: Compared, unit: str) -> list[str]:
         words = "Elsewhere no" if count else "No"
         wide = 31 * 2 * np.pi / found.moving.clock.size * found.reference.typical_radius
         sentences.append(
-            f"{words} change larger than {plain_text(float(np.quantile(least, ON)) / size, 2)} {unit} (in the middle of "
-            f"the wall's points {plain_text(float(np.median(least)) / size, 2)} {unit}) over a patch up to "
+            f"{words} change larger than {plain_text(float(np.quantile(least, ON)) / size, 2)} {unit} (median "
+            f"of the wall {plain_text(float(np.median(least)) / size, 2)} {unit}) over a patch up to "
             f"{plain_text(float(wide) / size, 2)} {unit} wide would have escaped, with 95 % probability, on "
             f"{100 * ON:.0f} % of the compared wall."
         )
@@ -98,7 +98,7 @@ def facts(found: Compared, unit: str) -> list[Fact]:
         said += [
             {"name": "rms error", "value": f"{plain_text(overall.rms / size, 3)} {unit}",
              "remark": f"predicted {plain_text(overall.predicted / size, 3)} {unit}"},
-            {"name": "inside their 95 % intervals", "value": f"{100 * overall.inside:.1f} %", "remark": "95 % expected"},
+            {"name": "inside 95 % intervals", "value": f"{100 * overall.inside:.1f} %", "remark": "95 % expected"},
             {"name": "mean error", "value": f"{plain_text(overall.mean / size, 2, sign=True)} {unit}", "remark": ""},
         ]  # fmt: skip
     else:
@@ -115,7 +115,7 @@ def facts(found: Compared, unit: str) -> list[Fact]:
         {"name": "points compared", "value": str(overall.points),
          "remark": f"of {int(found.moving.measured.sum())} of {found.names[0]}; "
          f"{agreed.degrees_of_freedom:.0f} degrees of freedom"},
-        {"name": "scatter over what is stated", "value": plain_text(scatter, 2), "remark": "robust, after registration"},
+        {"name": "scatter over what is stated", "value": plain_text(scatter, 2), "remark": "robust, registered"},
     ]  # fmt: skip
     return said
 

@@ -11,6 +11,11 @@ from numpy.typing import NDArray
 
 def write_png(path: Path, image: NDArray[np.uint8 | np.uint16]) -> None:
     """Write `image` (h, w, 3), 8 or 16 bit, losslessly and fast; the same pixels give the same bytes."""
+    path.write_bytes(png_bytes(image))
+
+
+def png_bytes(image: NDArray[np.uint8 | np.uint16]) -> bytes:
+    """The file that `write_png` writes."""
     import av
 
     codec = av.CodecContext.create("png", "w")
@@ -20,7 +25,7 @@ def write_png(path: Path, image: NDArray[np.uint8 | np.uint16]) -> None:
     codec.options = {"compression_level": "1", "pred": "none", "threads": "1"}  # noise does not compress further
     pixels: Any = np.ascontiguousarray(image)
     frame = av.VideoFrame.from_ndarray(pixels, format=codec.pix_fmt)
-    path.write_bytes(b"".join(bytes(packet) for packet in [*codec.encode(frame), *codec.encode(None)]))
+    return b"".join(bytes(packet) for packet in [*codec.encode(frame), *codec.encode(None)])
 
 
 def scan_toml(

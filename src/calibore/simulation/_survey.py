@@ -1,19 +1,22 @@
 """A whole scan with its truth: what is driven through which pipe, and the folder that comes of it."""
 
+import os
 import zipfile
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from calibore.crews import Workers, in_order
 from calibore.errors import InputError
 from calibore.folders import whole_folder
 from calibore.geometry import Pose
 from calibore.rigs import Rig, SideFacing, write_rig
-from calibore.simulation._files import scan_toml, write_png
+from calibore.simulation._files import png_bytes, scan_toml
 from calibore.simulation._light import LineLight, LitLine, lit_line
 from calibore.simulation._picture import photograph_all
 from calibore.simulation._sensor import Sensor
@@ -101,28 +104,44 @@ def head_pose(clock: float) -> Pose:
     return Pose.from_roll_pitch_yaw(clock + np.pi)
 
 
-def simulate_scan(folder: Path | str, survey: Survey, *, seed: int, progress: Progress | None = None) -> Path:
+def simulate_scan(
+    folder: Path | str,
+    survey: Survey,
+    *,
+    seed: int,
+    workers: Workers | None = None,
+    progress: Progress | None = None,
+) -> Path:
     """Write the scan folder `folder` (formats.md, section 2) with truth.npz beside its images; returns the folder.
 
     The same survey and seed give the same bytes. `progress(done, total)` counts images. The folder appears when it is
-    complete; an earlier one is replaced only if it holds nothing but an earlier simulation. Raises OutputError.
+    complete; an earlier one is replaced only if it holds nothing but an earlier simulation. `workers`: None for all
+    cores. Raises OutputError.
     """
     folder = Path(folder).absolute()
     total, done, truth = sum(station.takes for station in survey.stations), 0, []
+    crew = workers or os.cpu_count() or 1
     with whole_folder(folder, _simulated, what="simulated scan") as staging:
-        for station in survey.stations:
-            light = station.line or survey.line
-            lines = [survey.line_at(station, laser=number)[1] for number in range(len(survey.rig.lasers))]
-            pose = survey.pose_at(station.number, station.angular)
-            truth.append(station_truth(survey.rig, survey.wall, lines, pipe_from_rig=pose, line=light))
-            for take in range(station.takes):
-                image = _photograph(survey, station, take, light, lines, seed)
-                write_png(staging / survey.pattern.format(**_names(station), take=take), image)
+        for station, (columns, images) in zip(
+            survey.stations, in_order(survey.stations, partial(_taken, survey, seed), workers=crew), strict=True
+        ):
+            truth.append(columns)
+            for take, image in enumerate(images):
+                (staging / survey.pattern.format(**_names(station), take=take)).write_bytes(image)
                 done += 1
                 if progress is not None:
                     progress(done, total)
         _write_tables(staging, survey, truth)
     return folder
+
+
+def _taken(survey: Survey, seed: int, station: Station) -> tuple[Columns, list[bytes]]:
+    """The truth of a station, and its pictures as PNG files."""
+    light = station.line or survey.line
+    lines = [survey.line_at(station, laser=number)[1] for number in range(len(survey.rig.lasers))]
+    pose = survey.pose_at(station.number, station.angular)
+    truth = station_truth(survey.rig, survey.wall, lines, pipe_from_rig=pose, line=light)
+    return truth, [png_bytes(_photograph(survey, station, take, light, lines, seed)) for take in range(station.takes)]
 
 
 def _simulated(folder: Path) -> set[str] | None:

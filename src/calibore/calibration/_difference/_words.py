@@ -64,7 +64,7 @@ def _on_wall(found: "Difference", length: Unit) -> str:
     assert wall is not None
     assert nominal is not None
     at = int(np.argmin(np.abs(wall.radius - nominal)))
-    where = f"On a wall of R = {length.roughly(nominal, 4)}"
+    where = f"On a wall of R = {nominal / length.size:.6g} {length.symbol}"
     if not np.isfinite(wall.mean[at]):
         return f"{where} the two have no common view."
     band, mean = length.roughly(wall.coverage * wall.u_mean[at]), length.roughly(wall.mean[at], sign=True)

@@ -11,7 +11,7 @@ from calibore.calibration._in_situ._fit import fit_in_situ
 from calibore.calibration._in_situ._marks import read_marks
 from calibore.calibration._in_situ._pose import aligned
 from calibore.calibration._in_situ._words import in_situ_findings, in_situ_warnings
-from calibore.calibration._rig._findings import observations_of, zeniths_of
+from calibore.calibration._rig._findings import observations_of, scatter_of, zeniths_of
 from calibore.calibration._rig._values import values_of
 from calibore.rigs import ValidRegion
 
@@ -29,7 +29,7 @@ def calibrate_profile(path: Path | str, *, progress: Callable[[int, int], None] 
     alignment = aligned(target, rig, marks)
     found = fit_in_situ(rig, alignment.looks, free=target.said.free, prior=target.said.prior)
     result = found.result
-    radii = result.radii()
+    radii, (noise, shared) = result.radii(), scatter_of(result)
     return Calibration(
         kind=target.said.kind,
         rig=result.rig,
@@ -37,8 +37,8 @@ def calibrate_profile(path: Path | str, *, progress: Callable[[int, int], None] 
         values=values_of(result.rig, result.free),
         covariance=result.covariance,
         degrees_of_freedom=result.fit.degrees_of_freedom,
-        noise=result.fit.noise,
-        group_sigma=result.stop_scatter,
+        noise=noise,
+        group_sigma=shared,
         files=(*target.files, *files),
         observations=observations_of(result),
         valid=ValidRegion(zeniths_of(result), (float(np.nanmin(radii)), float(np.nanmax(radii)))),

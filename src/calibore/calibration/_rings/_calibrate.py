@@ -46,6 +46,7 @@ def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | 
     check(outcome, pictures)
     fit, rig = outcome.ring_fit.fit, outcome.across
     assert rig.covariance is not None
+    observations = observations_of(outcome, pictures.used)
     place = _place(outcome) | {"ink_width": sight.printed.ink_width}
     return Calibration(
         kind=pictures.target.kind,
@@ -55,9 +56,9 @@ def calibrate_rings(path: Path | str, *, progress: Callable[[int, int], None] | 
         covariance=rig.covariance,
         degrees_of_freedom=fit.degrees_of_freedom,
         noise=fit.noise,
-        group_sigma=fit.group_sigma,
+        group_sigma=fit.group_sigma * observations.typical_load,
         files=(*pictures.files, input_file(pictures.toml)),
-        observations=observations_of(outcome, pictures.used),
+        observations=observations,
         valid=valid_region(outcome),
         models=comparisons(outcome, lens_models(pictures.target.lens)),
         settings={"target": place},

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from calibore.crews import Cluster, Workers, in_order
 from calibore.errors import InputError
 from calibore.images import ImageSource
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._grid import Ring
 from calibore.profiling._measured import Measured, Measurement, Progress
-from calibore.profiling._pipeline import in_order
 from calibore.profiling._placement import Placement, Placer
 from calibore.profiling._side._gaps import gaps_of
 from calibore.profiling._side._job import SideJob, prepare_side
@@ -40,7 +40,7 @@ class SideTally(Tally):
         return self.missing
 
 
-def side_measurement(spec: ScanSpec, *, estimator: str, workers: int, progress: Progress | None) -> Measurement:
+def side_measurement(spec: ScanSpec, *, estimator: str, workers: Workers, progress: Progress | None) -> Measurement:
     """The measurement of a side-facing scan, everything checked that can be before its first image is read."""
     job, source, place = prepare_side(spec, estimator=estimator)
     tally = SideTally()
@@ -88,18 +88,19 @@ def _stops(source: ImageSource, place: Placer, job: SideJob, tally: Tally) -> li
 
 
 def measure_stops(
-    stops: Sequence[Stop], job: SideJob, *, workers: int, tally: Tally, progress: Progress | None = None
+    stops: Sequence[Stop], job: SideJob, *, workers: Workers, tally: Tally, progress: Progress | None = None
 ) -> Iterator[StopResult]:
     """Every usable stop in order; what could not be used is counted and named in `tally`."""
+    remote = isinstance(workers, Cluster)
 
-    def work(stop: Stop) -> StopLines:
-        return find_stop_lines(stop, job)
+    def work(stop: Stop) -> StopLines | StopResult | StationRefusedError:
+        lines = find_stop_lines(stop, job)
+        return _evaluated(lines, job) if remote else lines
 
-    for done, lines in enumerate(in_order(stops, work, workers=workers), start=1):
-        try:
-            result = evaluate_stop(lines, job)
-        except StationRefusedError as refused:
-            tally.refuse(refused.images)
+    for done, found in enumerate(in_order(stops, work, workers=workers), start=1):
+        result = _evaluated(found, job) if isinstance(found, StopLines) else found
+        if isinstance(result, StationRefusedError):
+            tally.refuse(result.images)
         else:
             tally.add_images(result)
             yield result
@@ -107,14 +108,22 @@ def measure_stops(
             progress(done, len(stops))
 
 
-def _write_rows(wall: Wall, job: SideJob, writer: ResultWriter, tally: Tally, *, takes: int, workers: int) -> None:
+def _evaluated(lines: StopLines, job: SideJob) -> StopResult | StationRefusedError:
+    try:
+        return evaluate_stop(lines, job)
+    except StationRefusedError as refused:
+        return refused
+
+
+def _write_rows(wall: Wall, job: SideJob, writer: ResultWriter, tally: Tally, *, takes: int, workers: Workers) -> None:
     def work(item: tuple[int, tuple[float, Ring]]) -> tuple[RingProfile, RingQuantities]:
         number, (axial, ring) = item
         shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)
         quantities = ring_quantities(shape, nominal_radius=job.nominal_radius)
         return ring_profile(number, Placement(axial), ring, quantities), quantities
 
-    for profile, quantities in in_order(enumerate(wall.rows()), work, workers=workers):
+    here = 1 if isinstance(workers, Cluster) else workers
+    for profile, quantities in in_order(enumerate(wall.rows()), work, workers=here):
         row = ring_row(quantities, takes=takes)
         tally.add_ring(profile, quantities, row, expected=wall.visited)
         writer.add(profile, NO_POINTS, row)

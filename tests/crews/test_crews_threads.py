@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from calibore.profiling._pipeline import AHEAD, in_order
+from calibore.crews import AHEAD, in_order
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])

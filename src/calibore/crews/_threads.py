@@ -1,4 +1,4 @@
-"""Many stations on several threads: results in order, a bounded number of images in memory."""
+"""The threads of this machine, and the one entry to both kinds of crew."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -7,17 +7,24 @@ from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
+from calibore.crews._cluster import Cluster
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Workers = int | Cluster
+"""Threads of this machine, or a cluster."""
 AHEAD = 2
 """Items per worker that may be in work or waiting to be fetched."""
 
 
-def in_order(items: Iterable[Item], work: Callable[[Item], Result], *, workers: int) -> Iterator[Result]:
-    """`work(item)` for every item, in order, on `workers` threads; items are drawn only as fast as they are worked off.
+def in_order(items: Iterable[Item], work: Callable[[Item], Result], *, workers: Workers) -> Iterator[Result]:
+    """`work(item)` for every item, in order, by `workers`; items are drawn only as fast as they are worked off.
 
     Linear algebra keeps to one thread meanwhile: its matrices are small, and the cores are busy with stations.
     """
+    if isinstance(workers, Cluster):
+        yield from workers.in_order(items, work)
+        return
     with threadpool_limits(limits=1, user_api="blas"):
         if workers <= 1:
             yield from map(work, items)
