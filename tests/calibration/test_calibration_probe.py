@@ -106,6 +106,15 @@ def test_tables_that_cannot_be_used_say_why(tmp_path, file, text, said):
         calibrate_probe(tmp_path)
 
 
+@pytest.mark.parametrize("file", ["lengths.csv", "diameters.csv"])
+def test_a_table_that_is_not_there_is_asked_for(tmp_path, file):
+    write(tmp_path, tables(np.random.default_rng(17)))
+    (tmp_path / file).unlink()
+    with pytest.raises(InputError, match=rf"{file} is not there; copy the table there.*first line is") as told:
+        calibrate_probe(tmp_path)
+    assert "Errno" not in str(told.value)
+
+
 @needs_shared
 def test_the_shared_probe_gives_radii_within_a_thousandth_and_a_half_of_an_inch_and_names_its_bad_diameter():
     found = calibrate_probe(SHARED)

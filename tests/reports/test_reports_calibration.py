@@ -41,7 +41,8 @@ def folder(tmp_path_factory):
     out = tmp_path_factory.mktemp("pages") / "calibration"
     said = replace(rig_calibration(1), warnings=("Only two tilts: photograph <more>.",))
     refused = InputFile("board 99.png", "0" * 64, "blurred by 5 px")
-    assert write_calibration_page(replace(said, files=(*said.files, refused)), out) == out / "calibration.html"
+    lit = InputFile("board 98.png", "0" * 64, set_aside="with room light")
+    assert write_calibration_page(replace(said, files=(*said.files, refused, lit)), out) == out / "calibration.html"
     return out
 
 
@@ -59,6 +60,7 @@ def test_the_page_says_what_a_reader_must_not_miss(folder):
     text = _Outline((folder / "calibration.html").read_text(encoding="utf-8")).text
     for words in (
         "Only two tilts: photograph <more>.",
+        "From 14 of 16 files",
         "board 99.png",
         "blurred by 5 px",
         "Half against half",

@@ -25,7 +25,6 @@ WELL_BELOW = 0.2
 CHANCE = 0.01
 FEWEST = 4
 """Pictures from which on whole pictures are parted, not groups of marks."""
-
 OUTWEIGHED = 0.5
 """Of the stated uncertainty; halves of pictures that alone tell the camera differ by twice of it."""
 

@@ -12,6 +12,7 @@ import typer
 
 from calibore.cli._failure import PARTLY_REFUSED, wrong_usage
 from calibore.cli._probe import probe_made_from
+from calibore.errors import UsageError
 
 if TYPE_CHECKING:
     from calibore.crews import Workers as Crew
@@ -49,7 +50,7 @@ def profile(
 
     with wrong_usage():
         finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
-    with probe_made_from(scan) as made, crew_of(workers, scheduler) as crew:
+    with crew_of(workers, scheduler) as crew, probe_made_from(scan) as made:
         options: dict[str, Any] = {"finisher": made.put_beside(finish), "probe": made.probe} if made else {}
         with progress_bar("Profiling", quiet=json) as progress:
             options = {"finisher": finish, "workers": crew, "progress": progress} | options
@@ -61,12 +62,12 @@ def profile(
 
 @contextmanager
 def crew_of(workers: int | None, scheduler: str | None) -> Iterator["Crew | None"]:
-    """Threads of this machine, all where none are given, or the machines behind a Dask scheduler while the block runs."""
+    """Threads of this machine, all where none are given, or the machines behind a scheduler."""
     if scheduler is None:
         yield workers
         return
     if workers is not None:
-        raise typer.BadParameter("Give either --workers, threads of this machine, or --scheduler.")
+        raise UsageError("Give either --workers, threads of this machine, or --scheduler.")
     from calibore.crews import Cluster
 
     with Cluster(scheduler) as cluster:

@@ -26,7 +26,7 @@ FACTOR = 1.96
 """Times u: half of a 95 % interval."""
 MOST_POINTS = 6000
 """Dots in a cloud."""
-BANDS, FEWEST = 30, 20
+BANDS, FEWEST = 30, 12
 """Of the radius, for predicted intervals; points that one must hold."""
 
 
