@@ -64,8 +64,9 @@ class Halves(NamedTuple):
         rms, expected = map(PIXEL.roughly, (self.rms, self.expected))
         asked = f"{first} {what} against {second}: {rms} rms apart, {expected} expected"
         if self.p < CHANCE:
+            more = ". That is more than chance" if self.rms > self.expected else ", but more than chance where less is"
             return (
-                f"{asked}. That is more than chance ({probability(self.p)}): the model does not describe this camera "
+                f"{asked}{more} ({probability(self.p)}): the model does not describe this camera "
                 "within its stated uncertainty; try a lens with more parameters, and see which pictures have large "
                 "residuals."
             )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from calibore.comparison._difference import Difference
 from calibore.errors import InputError
-from calibore.registration import Motion, register
+from calibore.registration import register
 from calibore.scans import Profile
 
 Array = NDArray[np.float64]
@@ -93,7 +93,12 @@ def check_outcome(difference: Difference, moving: Profile, reference: Profile, n
     if beyond < MANY:
         return ()
     left = _size(value[known])
-    _check_clock(moving, reference, names, left)
+    searched = _check_clock(moving, reference, names)
+    if left > MIRROR * searched:
+        return (
+            f"The motion that was given leaves {left / searched:.0f} times more than one that is searched for: check its "
+            "values, or leave out --no-search and --free none.",
+        )
     _check_shape(difference, known, names, left)
     return (
         f"{100 * beyond:.0f} % of the points differ by more than {BEYOND:.0f} times their noise: the wall has "
@@ -109,19 +114,28 @@ def mirrored(profile: Profile) -> Profile:
     return replace(profile, clock=turned[order], common_mode=profile.common_mode[..., order], **grids)
 
 
-def _check_clock(moving: Profile, reference: Profile, names: Names, left: float) -> None:
-    few = mirrored(_thinned(moving))
-    try:
-        found = register(few, reference, free=("roll", "shift_x", "shift_y", "axial"), start=Motion())
-    except InputError:
-        return
-    residual = found.gaps.residual
-    better = left / max(_size(residual[np.isfinite(residual)]), 1e-12)
-    if better > MIRROR:
+def _check_clock(moving: Profile, reference: Profile, names: Names) -> float:
+    """Raises InputError where the mirrored profile fits far better, both searched for; what is left of the direct one,
+    inf where it does not fit at all.
+    """
+    few = _thinned(moving)
+    direct, turned = (_left_after(one, reference) for one in (few, mirrored(few)))
+    if direct > MIRROR * turned:
+        times = f"{direct / max(turned, 1e-12):.0f} times better" if np.isfinite(direct) else "and otherwise not at all"
         raise InputError(
-            f"{names[0]} runs against the clock of {names[1]}: mirrored it fits {better:.0f} times better. Check which "
-            "way round columns, rotation or image of either are; clocks count clockwise looking along travel."
+            f"{names[0]} runs against the clock of {names[1]}: mirrored it fits {times}. Check which way round columns, "
+            "rotation or image of either are; clocks count clockwise looking along travel."
         )
+    return direct
+
+
+def _left_after(moving: Profile, reference: Profile) -> float:
+    try:
+        found = register(moving, reference, free=("roll", "shift_x", "shift_y", "axial"))
+    except InputError:
+        return np.inf
+    residual = found.gaps.residual
+    return _size(residual[np.isfinite(residual)])
 
 
 def _thinned(profile: Profile) -> Profile:

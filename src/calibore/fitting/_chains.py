@@ -13,10 +13,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
-LARGEST_ORDER = 12
-LARGEST_PARTIAL = 0.9999  # of a guess, from residuals that are as good as periodic
-VALUES_PER_LAG = 4  # a chain must be so many times as long as the lags it tells about
-
 
 @dataclass(frozen=True, eq=False)
 class Autoregression:
@@ -72,40 +68,6 @@ class Autoregression:
 
 
 WHITE = Autoregression(np.zeros(0))
-
-
-def order_of(residuals: Array, position: Whole) -> Array:
-    """Partial autocorrelations of `residuals` (n,), as many as Akaike's criterion asks for; none of white
-    noise. Of neighbours blurred like a bell, 95 % regions held the truth in 96 % of 400 draws with it, in 91 % with
-    Hannan and Quinn's, which asks for fewer.
-    """
-    longest = int(position.max(initial=0)) + 1
-    largest = min(LARGEST_ORDER, longest // VALUES_PER_LAG)
-    chained = position > 0
-    chained[:-1] |= position[1:] > 0
-    values = np.where(chained, residuals, 0.0)
-    moments = [values @ values]
-    for lag in range(1, largest + 1):
-        later = np.flatnonzero(position >= lag)
-        moments.append(values[later] @ values[later - lag])
-    if not moments[0] > 0:
-        return np.zeros(0)
-    partial, best, count = _durbin(np.array(moments) / moments[0]), (0.0, 0), int(chained.sum())
-    for order in range(1, largest + 1):
-        criterion = count * np.log(np.prod(1 - partial[:order] ** 2)) + 2 * order
-        best = min(best, (float(criterion), order))
-    return partial[: best[1]]
-
-
-def _durbin(correlation: Array) -> Array:
-    """Partial autocorrelations (q,) from autocorrelations (q + 1,)."""
-    partial, weights, variance = np.zeros(correlation.size - 1), np.zeros(0), 1.0
-    for t in range(partial.size):
-        step = (correlation[t + 1] - weights @ correlation[1 : t + 1][::-1]) / variance
-        partial[t] = step = min(max(step, -LARGEST_PARTIAL), LARGEST_PARTIAL)
-        weights = np.append(weights - step * weights[::-1], step)
-        variance *= 1 - step**2
-    return partial
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,7 @@
 """Tables of a simulation's specification that describe parts of the wall."""
 
-from abc import abstractmethod
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, Strict
 
@@ -25,36 +24,31 @@ Count = Annotated[int, Strict(), Field(ge=0)]
 
 
 class _Part(Document):
-    @abstractmethod
+    makes: ClassVar[type[WallPart]]
+
     def part(self, folder: Path) -> WallPart:
-        """The part, files relative to `folder`."""
-
-
-def _made(kind: type[WallPart], document: Document) -> WallPart:
-    return kind(**document.model_dump(exclude={"kind"}))
+        """The part of the wall; files relative to `folder`."""
+        return self.makes(**self.model_dump(exclude={"kind"}, exclude_none=True))
 
 
 class OvalityTable(_Part):
+    makes = Ovality
     kind: Literal["ovality"]
     percent: tuple[Number, Number]
     axial: tuple[Length, Length] = (0.0, 1.0)
     axis: Angle = Ovality.axis
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(Ovality, self)
-
 
 class HarmonicTable(_Part):
+    makes = Harmonic
     kind: Literal["harmonic"]
     order: Count
     amplitude: Length
     axis: Angle = 0.0
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(Harmonic, self)
-
 
 class DentTable(_Part):
+    makes = Dent
     kind: Literal["dent"]
     depth: Length
     clock: Angle
@@ -62,11 +56,9 @@ class DentTable(_Part):
     clock_width: Angle
     length: Length
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(Dent, self)
-
 
 class ConeTable(_Part):
+    makes = ConicalProtrusion
     kind: Literal["cone"]
     height: Length
     base_radius: Length
@@ -75,11 +67,9 @@ class ConeTable(_Part):
     axial: Length
     edge: Length = ConicalProtrusion.edge
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(ConicalProtrusion, self)
-
 
 class RailTable(_Part):
+    makes = Rail
     kind: Literal["rail"]
     height: Length
     width: Length
@@ -87,11 +77,9 @@ class RailTable(_Part):
     axial: tuple[Length, Length] | None = None
     edge: Length = Rail.edge
 
-    def part(self, folder: Path) -> WallPart:
-        return Rail(**self.model_dump(exclude={"kind"}, exclude_none=True))
-
 
 class LateralTable(_Part):
+    makes = LateralOpening
     kind: Literal["lateral"]
     radius: Length
     depth: Length
@@ -99,22 +87,18 @@ class LateralTable(_Part):
     axial: Length
     edge: Length = LateralOpening.edge
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(LateralOpening, self)
-
 
 class JointTable(_Part):
+    makes = OffsetJoint
     kind: Literal["joint"]
     offset: Length
     clock: Angle
     axial: Length
     edge: Length = OffsetJoint.edge
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(OffsetJoint, self)
-
 
 class CrackTable(_Part):
+    makes = Crack
     kind: Literal["crack"]
     width: Length
     depth: Length
@@ -122,28 +106,21 @@ class CrackTable(_Part):
     clock: tuple[Angle, Angle]
     edge: Length = Crack.edge
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(Crack, self)
-
 
 class CorrugationTable(_Part):
+    makes = Corrugation
     kind: Literal["corrugation"]
     amplitude: Length
     pitch: Length
     crest: Length = 0.0
 
-    def part(self, folder: Path) -> WallPart:
-        return _made(Corrugation, self)
-
 
 class RoughnessTable(_Part):
+    makes = Roughness
     kind: Literal["roughness"]
     rms: Length
     grain: Length = 0.003
     seed: Count = 0
-
-    def part(self, folder: Path) -> WallPart:
-        return _made(Roughness, self)
 
 
 class MeasuredTable(_Part):
@@ -151,6 +128,7 @@ class MeasuredTable(_Part):
     profile: str
 
     def part(self, folder: Path) -> WallPart:
+        """As measured before."""
         return MeasuredWall(read_profile(folder / self.profile))
 
 
