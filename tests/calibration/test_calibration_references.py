@@ -119,3 +119,21 @@ def _model(rig, rng, *, noise=0.1):
     straight = model.start(rig)
     straight[len(free) :] = 0.0
     return RigModel(rig, tuple(looks), free, nearest_branches(model, straight))
+
+
+def test_gauges_inclined_by_chance_have_no_gap_on_average_and_scatter_as_their_doubt_says():
+    """Slopes that the pictures do not tell: seen as straight, gauges seem too small, whichever way they lean."""
+    rng = np.random.default_rng(6)
+    spread = np.array([[9e-5, 3e-5], [3e-5, 4e-5]])
+    gauge = RingGauge(0.2, at=0.15).doubting(np.diag([1e-8, 1e-8, 0.0, 0.0]) + np.pad(spread, (2, 0)))
+    turn = np.arange(8) * np.pi / 4
+    straight = gauge.gap(np.stack([np.cos(turn), np.sin(turn), 1.5 * np.ones(8)], axis=1) * 0.1, np.zeros(7))
+    gaps = []
+    for slope in rng.multivariate_normal(np.zeros(2), spread, size=20000):
+        lean = slope @ [np.cos(turn), np.sin(turn)]
+        radius = 0.1 * np.sqrt((1 + slope @ slope) / (1 + slope @ slope - lean**2))
+        gaps.append(radius - 0.1 + straight.value)
+    size = np.abs(straight.value).max()
+    np.testing.assert_allclose(np.mean(gaps, axis=0), 0, atol=0.05 * size)  # 5 times what the mean scatters by
+    squares = straight.by_nuisance[:, 4:]
+    np.testing.assert_allclose(np.cov(np.transpose(gaps)), squares @ squares.T, atol=0.1 * np.max(squares @ squares.T))

@@ -38,9 +38,10 @@ def found(*, epochs):
 
 
 def only_where(profile, kept):
-    """The profile with values only where `kept` (n, m) or (n, 1) says so."""
+    """The profile with values only where `kept` (n, m) or (n, 1) says so; no rings without any, as in files."""
     gone = {name: np.where(kept, getattr(profile, name), np.nan) for name in ("radius", "axial_position")}
-    return replace(profile, **gone, status=np.where(kept, profile.status, 3).astype(np.uint8))
+    left = replace(profile, **gone, status=np.where(kept, profile.status, 3).astype(np.uint8))
+    return left.rings(np.flatnonzero(np.isfinite(left.radius).any(axis=1)))
 
 
 def scaled(profile, factor):

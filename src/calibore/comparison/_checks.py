@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from calibore.comparison._difference import Difference
 from calibore.errors import InputError
-from calibore.registration import register
+from calibore.registration import Cloud, Motion, Surface, gaps, register
 from calibore.scans import Profile
 
 Array = NDArray[np.float64]
@@ -40,6 +40,10 @@ MIRROR_RINGS = 8
 ALIKE, WHOLE = 0.65, (0.8, 1.25)
 """Correlation of the shapes of two walls below which they may be different pipes; they are not where all of one wall's
 shape, within these limits, is found in the other: then one of them has changed."""
+FEWEST = 30
+"""Points in common without which nothing is registered."""
+KEPT = 0.25
+"""Of the points in common before registration: one that leaves fewer has slid off a wall that it does not fit."""
 SHAPED = 3.0
 """Standard uncertainties by which a wall's shape must stand out for that to be asked."""
 
@@ -62,33 +66,61 @@ def check_pair(moving: Profile, reference: Profile, names: Names) -> None:
         raise InputError(f"These are different pipes: {radii}; compare scans of one pipe.")
 
 
-def why_not_registered(moving: Profile, reference: Profile, names: Names, error: InputError) -> InputError:
-    """A better sentence than `error` where the profiles have no points in common."""
+def comparable(moving: Profile, reference: Profile, start: Motion | None) -> int:
+    """How many points of the moving profile lie on the reference before anything is registered."""
+    left = gaps(Cloud.of(moving), Surface(reference), start or Motion()).residual
+    return int(np.count_nonzero(np.isfinite(left)))
+
+
+def why_not_registered(
+    moving: Profile, reference: Profile, names: Names, *, common: int, error: InputError
+) -> InputError:
+    """A better sentence than `error` for two that have `common` points before registration."""
     spans = [(float(np.nanmin(p.axial_position)), float(np.nanmax(p.axial_position))) for p in (moving, reference)]
     low, high = max(spans[0][0], spans[1][0]), min(spans[0][1], spans[1][1])
-    said = [f"{name} covers {1e3 * a:.4g} to {1e3 * b:.4g} mm" for name, (a, b) in zip(names, spans, strict=True)]
+    said = [
+        f"{name} has points from {1e3 * a:.4g} to {1e3 * b:.4g} mm" for name, (a, b) in zip(names, spans, strict=True)
+    ]
     if low > high:
         return InputError(
             f"The two do not overlap along the pipe: {said[0]}, {said[1]}. Check the origins of their motion tables, "
             'or give --start "axial=...".'
         )
-    middle, half = (low + high) / 2, (high - low) / 2
-    inside = [p.measured & (np.abs(p.axial_position - middle) <= half + p.spacing) for p in (moving, reference)]
-    if not all(one.any() for one in inside) or "Only" in str(error):
+    if common < FEWEST:
         return InputError(
             f"Where the two overlap along the pipe, {1e3 * low:.4g} to {1e3 * high:.4g} mm, hardly a point has a value "
             f"in both; {said[0]}, {said[1]}. Check why the points are missing there (status in profile.zarr)."
         )
-    return error
+    if "points" not in str(error):
+        return error
+    try:
+        _check_clock(moving, reference, names)
+    except InputError as mirror:
+        return mirror
+    return _different(names, "no motion brings them together")
 
 
-def check_outcome(difference: Difference, moving: Profile, reference: Profile, names: Names) -> tuple[str, ...]:
-    """After registration: warnings; raises InputError where clocks run against each other or pipes are different."""
+def _different(names: Names, found: str) -> InputError:
+    return InputError(
+        f"{names[0]} and {names[1]} are different pipes, or turned by more than 10 deg against each other: {found}. "
+        'Compare scans of one pipe, or give --start "roll=... deg".'
+    )
+
+
+def check_outcome(
+    difference: Difference, moving: Profile, reference: Profile, names: Names, *, common: int
+) -> tuple[str, ...]:
+    """After registration of two that had `common` points before: warnings; raises InputError where clocks run against
+    each other or pipes are different.
+    """
     value = difference.adjusted
     noise = np.hypot(difference.u_independent, difference.missed)
     known = np.isfinite(value) & np.isfinite(noise)
-    if not known.any():
-        raise InputError(f"No point of {names[0]} lies where {names[1]} has one; check what is missing in either.")
+    count = np.count_nonzero(known)
+    if count < KEPT * common:
+        _check_clock(moving, reference, names)
+        found = f"they fit best where {count} points have a counterpart, of {common} before"
+        raise _different(names, found)
     beyond = float(np.mean(np.abs(value[known]) > BEYOND * noise[known]))
     if beyond < MANY:
         return ()
@@ -96,13 +128,13 @@ def check_outcome(difference: Difference, moving: Profile, reference: Profile, n
     searched = _check_clock(moving, reference, names)
     if left > MIRROR * searched:
         return (
-            f"The motion that was given leaves {left / searched:.0f} times more than one that is searched for: check its "
-            "values, or leave out --no-search and --free none.",
+            f"The motion that was given leaves {left / searched:.0f} times more than one that is searched for: check "
+            "its values, or leave out --no-search and --free none.",
         )
     _check_shape(difference, known, names, left)
     return (
-        f"{100 * beyond:.0f} % of the points differ by more than {BEYOND:.0f} times their noise: the wall has "
-        "changed nearly everywhere, or one of the calibrations is wrong, or these are different pipes.",
+        f"{100 * beyond:.0f} % of the points differ by more than {BEYOND:.0f} times their noise: the wall has changed "
+        "nearly everywhere, or one of the calibrations is wrong, or these are different pipes.",
     )
 
 
@@ -115,27 +147,30 @@ def mirrored(profile: Profile) -> Profile:
 
 
 def _check_clock(moving: Profile, reference: Profile, names: Names) -> float:
-    """Raises InputError where the mirrored profile fits far better, both searched for; what is left of the direct one,
-    inf where it does not fit at all.
+    """Raises InputError where the mirrored profile fits, and far better, both searched for; what is left of the direct
+    one [m], inf where it does not fit at all.
     """
     few = _thinned(moving)
-    direct, turned = (_left_after(one, reference) for one in (few, mirrored(few)))
-    if direct > MIRROR * turned:
-        times = f"{direct / max(turned, 1e-12):.0f} times better" if np.isfinite(direct) else "and otherwise not at all"
+    (direct, _), (turned, noise) = (_left_after(one, reference) for one in (few, mirrored(few)))
+    if direct > MIRROR * turned and turned < BEYOND * noise:
+        times = f"{direct / turned:.0f} times better" if np.isfinite(direct) else "and otherwise not at all"
         raise InputError(
-            f"{names[0]} runs against the clock of {names[1]}: mirrored it fits {times}. Check which way round columns, "
-            "rotation or image of either are; clocks count clockwise looking along travel."
+            f"{names[0]} runs against the clock of {names[1]}: mirrored it fits {times}. Check which way round "
+            "columns, rotation or image of either are; clocks count clockwise looking along travel."
         )
     return direct
 
 
-def _left_after(moving: Profile, reference: Profile) -> float:
+def _left_after(moving: Profile, reference: Profile) -> tuple[float, float]:
+    """Size of what registration leaves and of the noise in it [m]; inf where most points have no counterpart then."""
     try:
-        found = register(moving, reference, free=("roll", "shift_x", "shift_y", "axial"))
+        found = register(moving, reference, free=("roll", "shift_x", "shift_y", "axial")).gaps
     except InputError:
-        return np.inf
-    residual = found.gaps.residual
-    return _size(residual[np.isfinite(residual)])
+        return np.inf, 0.0
+    used = np.isfinite(found.residual)
+    if np.count_nonzero(used) < KEPT * used.size:
+        return np.inf, 0.0
+    return _size(found.residual[used]), float(np.median(np.sqrt(found.total[used])))
 
 
 def _thinned(profile: Profile) -> Profile:
@@ -160,11 +195,11 @@ def _check_shape(difference: Difference, known: NDArray[np.bool_], names: Names,
     shared = float(np.mean(own[used] * other[used]))
     whole = any(WHOLE[0] < shared / size**2 < WHOLE[1] for size in sizes)
     if min(sizes) > SHAPED * noise and shared < ALIKE * sizes[0] * sizes[1] and not whole:
-        raise InputError(
-            f"{names[0]} and {names[1]} are different pipes, or turned by more than 10 deg against each other: brought "
-            f"together as well as can be, they still differ by up to {1e3 * left:.3g} mm over most of the wall, "
-            f"as much as the wall's own shape ({1e3 * sizes[0]:.3g} and {1e3 * sizes[1]:.3g} mm rms), which neither "
-            'shares with the other. Compare scans of one pipe, or give --start "roll=... deg".'
+        raise _different(
+            names,
+            f"brought together as well as can be, they still differ by up to {1e3 * left:.3g} mm over most of the "
+            f"wall, as much as its own shape ({1e3 * sizes[0]:.3g} and {1e3 * sizes[1]:.3g} mm rms), which neither "
+            "shares with the other",
         )
 
 

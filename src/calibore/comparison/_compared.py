@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.comparison._agreement import Agreement, Errors, OutlierRule, agreement, errors_of
 from calibore.comparison._changes import FALSE_ALARM, Changes, changes
-from calibore.comparison._checks import Names, check_outcome, check_pair, why_not_registered
+from calibore.comparison._checks import Names, check_outcome, check_pair, comparable, why_not_registered
 from calibore.comparison._difference import Difference, difference
 from calibore.errors import InputError
 from calibore.registration import Motion, Registration
@@ -108,11 +108,12 @@ def compared(
     Raises InputError where the two cannot be compared: other units, other pipes, mirrored, no common points.
     """
     check_pair(moving, reference, names)
+    common = comparable(moving, reference, alignment.get("start"))
     try:
         found = difference(moving, reference, **alignment)
     except InputError as error:
-        raise why_not_registered(moving, reference, names, error) from error
-    warnings = check_outcome(found, moving, reference, names)
+        raise why_not_registered(moving, reference, names, common=common, error=error) from error
+    warnings = check_outcome(found, moving, reference, names, common=common)
     return Compared(
         moving,
         reference,

@@ -107,7 +107,7 @@ def _solution(cloud: Cloud, surface: Surface, layout: "_Layout", motion: Motion,
     known = _known(information, layout, found, cloud, weights, scatter)
     relative = _left(found, state) / (scatter * np.sqrt(found.total))
     correlation, effect = design_effect(relative, weights, cloud)
-    root = np.sqrt(weights / found.total) / scatter
+    root = weights / np.sqrt(found.total) / scatter  # squares of the scores, as Tukey's weights make them
     scores = scores_covariance(np.where(weights[:, None] > 0, table * root[:, None], 0.0), cloud, correlation)
     inverse = np.linalg.inv(known)
     covariance = inverse @ (scores * effect + layout.prior) @ inverse
