@@ -1,13 +1,9 @@
 """What is called a change is one, and what is said of it holds."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).parents[1] / "registration"))
 from registration_walls import STILL, random_motion, random_wall, seen
 
 from calibore.comparison import OutlierRule, agreement, changes, difference
