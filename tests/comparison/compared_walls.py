@@ -1,15 +1,11 @@
 """Walls seen twice, and their result folders: for tests of comparisons, their pictures, pages and command."""
 
 import json
-import sys
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import xarray
-
-sys.path.append(str(Path(__file__).parents[1] / "registration"))
 from registration_walls import random_motion, random_wall, seen
 
 from calibore.comparison import compared

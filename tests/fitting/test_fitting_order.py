@@ -16,9 +16,9 @@ def rings_placed_by_chance(rng, neighbour):
     noise = rng.normal(size=(RINGS, MARKS))
     for t in range(1, MARKS):
         noise[:, t] = neighbour * noise[:, t - 1] + np.sqrt(1 - neighbour**2) * noise[:, t]
-    design = np.column_stack([np.ones(RING.size), np.kron(np.eye(RINGS), WAVES)])
+    design = np.column_stack([np.ones(RING.size), np.kron(np.eye(RINGS), WAVES)]).astype(np.float64)
     names = ["size", *(f"wave {number}" for number in range(RINGS * WAVES.shape[1]))]
-    measured = noise.ravel()
+    measured = noise.ravel().astype(np.float64)
     return least_squares(lambda b: (measured - design @ b, design), np.zeros(len(names)), names=names, chains=RING)
 
 

@@ -40,6 +40,8 @@ MIRROR_RINGS = 8
 ALIKE, WHOLE = 0.65, (0.8, 1.25)
 """Correlation of the shapes of two walls below which they may be different pipes; they are not where all of one wall's
 shape, within these limits, is found in the other: then one of them has changed."""
+FITS = 10.0
+"""Times its noise: what most of a mirrored profile may be off where the direct one tells nothing."""
 FEWEST = 30
 """Points in common without which nothing is registered."""
 KEPT = 0.25
@@ -147,12 +149,12 @@ def mirrored(profile: Profile) -> Profile:
 
 
 def _check_clock(moving: Profile, reference: Profile, names: Names) -> float:
-    """Raises InputError where the mirrored profile fits, and far better, both searched for; what is left of the direct
+    """Raises InputError where the mirrored profile fits far better, both searched for; what is left of the direct
     one [m], inf where it does not fit at all.
     """
     few = _thinned(moving)
     (direct, _), (turned, noise) = (_left_after(one, reference) for one in (few, mirrored(few)))
-    if direct > MIRROR * turned and turned < BEYOND * noise:
+    if direct > MIRROR * turned and (np.isfinite(direct) or turned < FITS * noise):
         times = f"{direct / turned:.0f} times better" if np.isfinite(direct) else "and otherwise not at all"
         raise InputError(
             f"{names[0]} runs against the clock of {names[1]}: mirrored it fits {times}. Check which way round "
