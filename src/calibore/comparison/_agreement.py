@@ -78,7 +78,8 @@ def agreement(difference: Difference, rule: OutlierRule) -> Agreement:
     if not known.any():
         raise InputError("No point of the measurement can be compared with the reference.")
     outlier = known & rule.outliers(np.nan_to_num(value), np.nan_to_num(u))
-    radius, axial = difference.radius, difference.axial
+    # by the reference's radius: bins of the measured one would choose errors
+    radius, axial = difference.radius - difference.value, difference.axial
     rings = [
         errors_of(value, u, known[i : i + 1], outlier[i : i + 1], rows=slice(i, i + 1), place=axial)
         for i in range(len(value))
