@@ -1,7 +1,7 @@
 """`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
 
 `python -m benchmarks coverage`, `ovality`, `every_rig`, `pictures` and `calibration` run the long accuracy studies
-instead (minutes each).
+instead (minutes each), `cluster` two Dask workers against one.
 """
 
 import os
@@ -23,6 +23,7 @@ def part(name: str, *rest: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
     from benchmarks import (
         calibration,
+        cluster,
         end_to_end,
         every_rig,
         kernel,
@@ -43,6 +44,7 @@ def part(name: str, *rest: str) -> list[str]:
         "startup": startup.report,
         "triangulation": triangulation.report,
         "calibration": lambda: calibration.report(*rest),
+        "cluster": cluster.report,
         "coverage": studies.coverage,
         "ovality": studies.ovality,
         "every_rig": every_rig.report,

@@ -1,12 +1,6 @@
 """A real scheduler with two worker processes gives what this machine gives, also when one of them is killed."""
 
-import json
-import os
 import signal
-import subprocess
-import sys
-import time
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +9,13 @@ import zarr
 
 pytest.importorskip("distributed", reason="Dask is not installed: the cluster cannot be tried")
 
+from dask_cluster import dask_cluster
+
 from calibore.crews import Cluster, in_order
 from calibore.errors import InputError
 from calibore.profiling import profile_scan
 from calibore.simulation import read_survey, simulate_scan
 
-DASK = Path(sys.executable).with_name("dask")
 EXAMPLES = Path(__file__).parents[2] / "examples"
 RIG = (EXAMPLES / "test-pipe-rig.toml").read_text(encoding="utf-8")
 SMALL = RIG.replace("1024", "320").replace("768", "240").replace("571.0", "178").replace("[512.0, 384.0]", "[160, 120]")
@@ -36,38 +31,9 @@ axial = { origin = "-13.1 in", step = "10 mm", stations = 24 }
 """
 
 
-@contextmanager
-def _cluster(folder):
-    """Address and worker processes of a scheduler; all are gone afterwards."""
-    place = folder / "scheduler.json"
-    started = [_started(folder, "scheduler", "--scheduler-file", place, "--port", "0", "--no-dashboard")]
-    try:
-        address = _address(place)
-        started += [_started(folder, "worker", address, "--nthreads", "1", "--no-nanny") for _ in range(2)]
-        yield address, started[1:]
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
-
-
-def _started(folder, *words):
-    words = [str(DASK), *map(str, words), *(["--no-dashboard"] if words[0] == "worker" else [])]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    return subprocess.Popen(words, cwd=folder, env=os.environ | {"DASK_DISTRIBUTED__WORKER__DAEMON": "False"}, **quiet)
-
-
-def _address(place):
-    for _ in range(300):
-        if place.is_file() and place.stat().st_size:
-            return json.loads(place.read_text(encoding="utf-8"))["address"]
-        time.sleep(0.1)
-    raise AssertionError("The scheduler has not started within 30 s.")
-
-
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    with _cluster(tmp_path_factory.mktemp("dask")) as started:
+    with dask_cluster(tmp_path_factory.mktemp("dask"), workers=2) as started:
         yield started
 
 

@@ -53,7 +53,7 @@ def test_two_lasers_make_one_ring_without_a_gap_and_the_take_with_both_is_left_a
     assert (result.unlit, result.refused, result.images) == ((0,), (), 2)
     assert np.isfinite(result.profile.radius).all()
     assert np.isnan(result.take_correlation)
-    assert {take.laser for take in result.takes} == {0, 1}
+    assert {line.laser for line in result.lines} == {0, 1}
     assert set(result.points.take) == {1, 2}
     u = np.hypot(result.profile.u_independent, result.profile.u_common)
     assert np.mean(np.abs(result.profile.radius - RADIUS) <= 1.96 * u) > 0.93
@@ -113,7 +113,7 @@ def test_lines_of_two_colours_in_one_picture_are_measured_both(pictures):
     colours = np.zeros_like(pictures[0])
     colours[..., 0], colours[..., 1] = pictures[1][..., 0], pictures[2][..., 0]
     result = measure_station(station([colours]), HERE, Job.of(rig(None, None, channels=("red", "green")), RADIUS))
-    assert (result.images, result.row["takes"], len(result.takes)) == (1, 1, 2)
+    assert (result.images, result.row["takes"], len(result.lines)) == (1, 1, 2)
     # where the lines run into each other neither has its own colour: left out, not mixed
     assert np.isfinite(result.profile.radius).mean() > 0.8
     assert np.nanmax(np.abs(result.profile.radius - RADIUS)) < 0.05 * RADIUS

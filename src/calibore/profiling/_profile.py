@@ -182,7 +182,7 @@ def forward_measurement(spec: ScanSpec, *, estimator: str, workers: Workers, pro
         tally, example = Tally(), None
         for result in measure_scan(job, source, place, workers=workers, tally=tally):
             writer.add(result.profile, result.points, result.row)
-            example = example or (result.first_image(), result.takes[0].stripe)
+            example = example or (result.first_image(), result.lines[0].stripe)
             if progress:
                 progress(tally.stations, source.expected_stations)
         if tally.stations == 0:

@@ -48,10 +48,19 @@ class StationRefusedError(ImageError):
         return type(self), (self.images,)
 
 
+class Line(NamedTuple):
+    """The line of `laser` in one `take`."""
+
+    take: int
+    laser: int
+    stripe: Stripe
+
+
 @dataclass(frozen=True)
 class StationResult:
     """What one station gave; `refused` images could not be used; `unlit` takes show no laser alone, as the rig file
-    says; `first_image` reads the first used one again. `images`: how many were used, with a line of each laser alone.
+    says; `first_image` reads the first used one again. `images`: how many were used, with a line of each laser alone:
+    `lines`.
     """
 
     profile: RingProfile
@@ -60,7 +69,7 @@ class StationResult:
     quantities: RingQuantities
     take_correlation: float
     scale: float
-    takes: tuple[TakePoints, ...]
+    lines: tuple[Line, ...]
     refused: tuple[RefusedImage, ...]
     first_image: Callable[[], Pixels]
     images: int
@@ -76,14 +85,6 @@ def measure_image(image: Pixels, job: Job, *, laser: int = 0) -> Ring:
     stripe = find_line(image, job.rig, look.search, channel=look.channel, estimator=job.estimator)
     take = place_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius)
     return grid_ring(take, job.covariance, stripe=job.rig.stripe)
-
-
-class Line(NamedTuple):
-    """The line of `laser` in one `take`."""
-
-    take: int
-    laser: int
-    stripe: Stripe
 
 
 @dataclass(frozen=True)
@@ -132,15 +133,16 @@ def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> Sta
     """Everything that follows from the lines of one station; raises StationRefusedError where none is of use."""
     images, refused = lines.images, list(lines.refused)
     takes: list[TakePoints] = []
-    numbers: list[int] = []
-    for number, laser, stripe in lines.lines:
+    used: list[Line] = []
+    for line in lines.lines:
         try:
-            takes.append(place_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius))
-            numbers.append(number)
+            takes.append(place_on_wall(line.stripe, job.rig, laser=line.laser, prior_radius=job.nominal_radius))
+            used.append(line)
         except ImageError as error:
-            refused.append(refusal_of(images.name(number), error))
-    if not takes:
+            refused.append(refusal_of(images.name(line.take), error))
+    if not used:
         raise StationRefusedError(refused)
+    numbers = [line.take for line in used]
     ring, shared = _one_ring(takes, job)
     shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)
     quantities = ring_quantities(shape, nominal_radius=job.nominal_radius, roll=placement.roll)
@@ -151,7 +153,7 @@ def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> Sta
         quantities,
         shared,
         float(np.mean([take.stripe.scale for take in takes])),
-        tuple(takes),
+        tuple(used),
         tuple(refused),
         partial(images.read, numbers[0]),
         len(set(numbers)),
