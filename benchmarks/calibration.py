@@ -11,7 +11,7 @@ import numpy as np
 
 TESTS = Path(__file__).parents[1] / "tests"
 PROCESSES = 2
-COUNT = {"concentric rings": 300, "probe": 400}
+COUNT = {"concentric rings": 300, "probe": 400, "two pins": 500}
 OTHERWISE = 200
 SEEDS = 1000
 """From here on; tests use those below."""

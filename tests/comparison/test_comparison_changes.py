@@ -111,3 +111,27 @@ def test_outliers_are_counted_by_the_rule_that_is_declared():
     assert agreement(one, OutlierRule(limit=0.005)).overall.rms < 2e-4
     with pytest.raises(InputError, match="one positive number"):
         OutlierRule()
+
+
+def test_a_change_on_the_only_ring_has_a_place_and_a_depth():
+    rng = np.random.default_rng(6)
+    wall = random_wall(rng, bumps=0)
+    later = replace(wall, bumps=np.array([[0.1, 2.0, 0.002, 0.02, 0.15]]))
+    before, after = (seen(one, np.array([0.1]), rng, u=5e-5, positions=200) for one in (wall, later))
+    found = changes(difference(after, before, free=("shift_x", "shift_y"), search=False)).regions
+    assert len(found) == 1
+    assert not found[0].shaped
+    assert found[0].clock.value == pytest.approx(2.0, abs=0.05)
+    assert found[0].depth.value == pytest.approx(-0.002, abs=4e-4)
+
+
+def test_a_gap_in_the_middle_of_a_change_is_no_region_of_its_own():
+    one = _epochs(3, dent=np.array([0.12, 2.0, 0.004, 0.02, 0.15]))
+    deepest = np.unravel_index(np.nanargmin(one.adjusted), one.adjusted.shape)
+    gap = np.zeros(one.adjusted.shape, dtype=bool)
+    gap[deepest[0], deepest[1] - 1 : deepest[1] + 1] = True
+    for name in ("value", "adjusted"):
+        getattr(one, name)[gap] = np.nan
+    for region in changes(one).regions:
+        assert not (region.cells & gap).any()
+        assert np.isfinite(region.mean.value)

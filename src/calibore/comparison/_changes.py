@@ -48,8 +48,10 @@ def changes(difference: Difference, *, false_alarm: float = FALSE_ALARM, seed: i
         relative = np.nan_to_num(smoother.mean(difference.adjusted, window) / u)
         strongest = np.where(np.abs(relative) > np.abs(strongest), relative, strongest)
         detectable = np.fmin(detectable, (limit + DETECTED) * u)
-    regions = [region_of(difference, cells) for cells in _connected(strongest, limit)]
     known = np.isfinite(difference.adjusted)
+    # a gap within a region does not part it, but is no part of it
+    masks = [cells & known for cells in _connected(strongest, limit)]
+    regions = [region_of(difference, cells) for cells in masks if cells.any()]
     return Changes(
         difference,
         np.where(known, strongest, np.nan),

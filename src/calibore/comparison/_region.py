@@ -14,8 +14,8 @@ Mask = NDArray[np.bool_]
 
 AROUND = 2.0
 """Times its own extent, to each side: how far around a region its shape is fitted."""
-FEWEST_RINGS = 3
-"""On which a region must lie for its extent along the pipe to be told."""
+FEWEST_RINGS = 2
+"""On which a region must lie, with another beside it, for its extent along the pipe to be told."""
 LEAST_WIDTH = 1.0
 """Steps of the grid: narrowest shape that is fitted."""
 
@@ -119,11 +119,8 @@ def _bell(difference: Difference, cells: Mask, mean: Quantity) -> _Bell | None:
     """A bell that fits the region and its surroundings; None where it lies on too few rings or does not fit."""
     from scipy.optimize import least_squares
 
-    rows = np.flatnonzero(cells.any(axis=1))
-    if rows.size < FEWEST_RINGS and len(cells) > 1:
-        rows_known = rows.size >= 2 and len(cells) > rows.size
-        if not rows_known:
-            return None
+    if np.count_nonzero(cells.any(axis=1)) < FEWEST_RINGS or len(cells) <= FEWEST_RINGS:
+        return None
     z, c, known = difference.axial, difference.clock, np.isfinite(difference.adjusted)
     middle = _mean_clock(c, np.where(cells & known, 1.0, 0.0))
     aside = np.mod(np.nan_to_num(c) - middle + np.pi, 2 * np.pi) - np.pi
