@@ -114,6 +114,14 @@ def test_a_picture_without_target_is_named_and_the_rest_goes_on(calibrated):
     assert abs(calibrated.values["camera.k"] - 190.0) < 0.1
 
 
+def test_a_stated_error_of_printing_may_belong_to_a_ring_that_the_picture_lacks(tmp_path):
+    # the outermost of ten rings lies outside the picture: nothing in it tells of that ring's error
+    picture = photograph(LENS, VALUES, TARGET, rings=10, size=SIZE, rng=np.random.default_rng(1))
+    write_target(tmp_path, [picture], rings=10, nominal_mm=110, lens='"equidistant"', u_ring='"0.01 mm"')
+    found = calibrate_rings(tmp_path)
+    assert abs(found.values["camera.k"] - VALUES["camera.k"]) < 4 * dict(_known(found))["camera.k"]
+
+
 def test_the_result_is_a_rig_whose_light_is_where_the_target_stood(calibrated, tmp_path):
     write_calibration(calibrated, tmp_path / "rig.toml")
     rig = read_rig(tmp_path / "rig.toml")

@@ -2,6 +2,8 @@
 
 import json
 import sys
+from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +28,8 @@ def results(tmp_path_factory):
     after, before = pair(dented=True)
     write_result(folder / "before", before)
     write_result(folder / "after", after)
+    write_result(folder / "earlier", replace(before, date=date(2024, 1, 1)))
+    write_result(folder / "later", replace(after, date=date(2026, 1, 1)))
     write_result(folder / "touched", pair()[1], tactile=True)
     write_result(folder / "measured", pair()[0])
     write_result(folder / "inches", scaled(before, 25.4))
@@ -57,6 +61,19 @@ def test_two_epochs_are_asked_for_change_first_before_then_after(compare, tmp_pa
     assert (found["question"], found["moving"], found["reference"]) == ("change", "after", "before")
     assert found["years"] == pytest.approx(2.0, abs=0.005)
     assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_days_that_the_scans_know_themselves_make_a_rate(compare, tmp_path):
+    assert "per year" in compare("earlier", "later").out
+    assert summary(tmp_path / "out")["years"] == pytest.approx(2.0, abs=0.005)
+    assert "exchange both" in compare("later", "earlier", out=tmp_path / "again").sentence
+    assert "per year" not in compare("earlier", "after", out=tmp_path / "again").out
+
+
+def test_one_day_alone_makes_no_rate(compare):
+    failed = compare("before", "after", "--date-a", "2024-01-01")
+    assert failed.status != DONE
+    assert failed.sentence.endswith("give --date-b too, or date in the scan.toml of B.")
 
 
 @pytest.mark.parametrize(("one", "other"), [("measured", "touched"), ("touched", "measured")])
@@ -132,8 +149,7 @@ def test_what_cannot_be_compared_is_said_and_nothing_overwritten(compare, tmp_pa
         (("--outliers", "wide"), "length"),
         (("--false-alarm", "2"), "between 0 and 1"),
         (("--unit", "furlong"), "furlong"),
-        (("--date-a", "2024-01-01"), "both dates"),
-        (("--date-a", "2024-01-01", "--date-b", "2023-01-01"), "not after"),
+        (("--date-a", "2024-01-01", "--date-b", "2023-01-01"), "not later than"),
         (("--date-a", "soon", "--date-b", "2023-01-01"), "no date"),
         (("--reference", "a", "--date-a", "2024-01-01", "--date-b", "2025-01-01"), "rate of change"),
         (("--free", "none", "--per-ring"), "per-ring"),
@@ -157,6 +173,6 @@ def test_options_become_arguments_in_si():
     assert (start.roll, start.axial, start.scale) == pytest.approx((np.pi / 2, 0.002, 1.01))
     assert not alignment_of("none", "", search=True, per_ring=False)["search"]
     assert outlier_rule_of("0.15 in").limit == pytest.approx(0.00381)
-    assert years_between("2024-01-01", "2025-01-01") == pytest.approx(1.002, abs=1e-3)
+    assert years_between(date(2024, 1, 1), date(2025, 1, 1)) == pytest.approx(1.002, abs=1e-3)
     with pytest.raises(InputError, match="positive"):
         alignment_of("rigid", "scale=0", search=True, per_ring=False)

@@ -56,6 +56,7 @@ def write_result(folder, profile, *, tactile=False):
     }
     places = {"axial": ("station", profile.axial), "clock": ("clock", profile.clock)}
     attributes = {"format": "calibore-profile/1", "title": folder.name, "nominal_radius": profile.nominal_radius}
+    attributes |= {"scan_date": profile.date.isoformat()} if profile.date else {}
     folder.mkdir(parents=True)
     xarray.Dataset(variables, coords=places, attrs=attributes).to_zarr(folder / "profile.zarr", zarr_format=3)
     counts = {"readings": 1} if tactile else {"images": 1}

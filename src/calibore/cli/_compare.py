@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from calibore.cli._compare_options import alignment_of, outlier_rule_of, years_between
+from calibore.cli._compare_options import alignment_of, date_of, outlier_rule_of, years_between
 from calibore.cli._failure import PARTLY_REFUSED, wrong_usage
 from calibore.cli._probe import probe_made_from
 from calibore.cli._profile import UnitName, Workers, as_json, progress_bar
 from calibore.errors import InputError
 
 if TYPE_CHECKING:
+    from datetime import date
+
     from calibore.scans import Profile
 
 Input = "result folder of `calibore profile`, or scan folder (it is profiled first)"
@@ -53,8 +55,8 @@ def compare(
     per_ring: Annotated[bool, typer.Option("--per-ring", help="Let every ring turn and shift a little.")] = False,
     outliers: Annotated[str, typer.Option(help='Errors that do not count: "0.15 in", or "4 sigma".')] = "0.15 in",
     false_alarm: Annotated[float, typer.Option(help="Probability that an unchanged pipe shows any change.")] = 0.05,
-    date_a: Annotated[str | None, typer.Option(help="Day of A, for rates per year: 2024-05-31.")] = None,
-    date_b: Annotated[str | None, typer.Option(help="Day of B.")] = None,
+    date_a: Annotated[str | None, typer.Option(help="Day of A, for rates per year: 2024-05-31.", show_default="date in scan.toml")] = None,
+    date_b: Annotated[str | None, typer.Option(help="Day of B.", show_default="date in scan.toml")] = None,
     workers: Workers = None,
     unit: UnitName = "mm",
     pictures: Annotated[bool, typer.Option(help="Draw the pictures and the report.")] = True,
@@ -63,7 +65,9 @@ def compare(
     """Compare two scans of one pipe: the error of a measurement, or the change between two epochs, with uncertainty."""
     with wrong_usage():
         alignment = alignment_of(free, start, search=search, per_ring=per_ring)
-        rule, years = outlier_rule_of(outliers), years_between(date_a, date_b)
+        rule = outlier_rule_of(outliers)
+        days = date_of(date_a, "--date-a"), date_of(date_b, "--date-b")
+        years_between(*days)
         _check(reference, false_alarm, unit)
     from calibore.comparison import Compared, compared
     from calibore.reports import write_comparison
@@ -71,7 +75,7 @@ def compare(
     sides = _sides(a, b)
     which = _reference(reference, sides)
     with wrong_usage():
-        if which is not None and years is not None:
+        if which is not None and any(days):
             raise InputError("Dates give a rate of change, not of errors; leave them out or add --reference none.")
     out = out or Path(f"{sides[0].name}-{sides[1].name}")
     _keep_apart(out, sides)
@@ -83,12 +87,22 @@ def compare(
         ]
         still = 0 if which is None else which
         names = sides[1 - still].name, sides[still].name
+        years = None if which is not None else _years(days, profiles)
         options = {"rule": rule, "false_alarm": false_alarm, "years": years, **alignment}
         return compared(profiles[1 - still], profiles[still], epochs=which is None, names=names, **options)
 
     _tell(write_comparison(make, out, unit=unit, pictures=pictures), out, json=json)
     if any(side.partly for side in sides):
         raise typer.Exit(PARTLY_REFUSED)
+
+
+def _years(days: "tuple[date | None, date | None]", profiles: "list[Profile]") -> float | None:
+    """Between both epochs, by the options where they are given, else by the scans' own dates."""
+    known = [day or profile.date for day, profile in zip(days, profiles, strict=True)]
+    if any(days) and not all(known):
+        lacks = "AB"[known.index(None)]
+        raise InputError(f"A rate needs both dates; give --date-{lacks.lower()} too, or date in the scan.toml of {lacks}.")
+    return years_between(known[0], known[1])
 
 
 def _check(reference: str | None, false_alarm: float, unit: str) -> None:

@@ -61,19 +61,23 @@ def outlier_rule_of(text: str) -> "OutlierRule":
     return OutlierRule(limit=parse_quantity(text, "length"))
 
 
-def years_between(before: str | None, after: str | None) -> float | None:
-    """From dates such as 2024-05-31; None where there are none."""
-    if before is None and after is None:
-        return None
+def years_between(before: date | None, after: date | None) -> float | None:
+    """Between the days of A and B; None where one of them is not known."""
     if before is None or after is None:
-        raise InputError("A rate needs both dates; give --date-a and --date-b.")
-    days = (_date(after, "--date-b") - _date(before, "--date-a")).days
+        return None
+    days = (after - before).days
     if days <= 0:
-        raise InputError(f"--date-b {after} is not after --date-a {before}; A is the earlier epoch.")
+        raise InputError(
+            f"B ({after}) is not later than A ({before}); A is the earlier epoch: exchange both, or correct date in "
+            "scan.toml, --date-a, --date-b."
+        )
     return days / YEAR
 
 
-def _date(text: str, option: str) -> date:
+def date_of(text: str | None, option: str) -> date | None:
+    """Of an option such as 2024-05-31."""
+    if text is None:
+        return None
     try:
         return date.fromisoformat(text)
     except ValueError as error:

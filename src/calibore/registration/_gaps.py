@@ -35,7 +35,7 @@ class Cloud:
         ring, position = np.nonzero(profile.measured)
         x, y = xy_of(profile.clock[position], profile.radius[ring, position])
         points = np.stack([x, y, profile.axial_position[ring, position]], axis=1)
-        missed = RESOLUTION * clock_bends(profile)
+        missed = np.zeros_like(profile.radius) if profile.sampled else RESOLUTION * clock_bends(profile)
         return cls(
             points,
             profile.u_independent[ring, position] ** 2,

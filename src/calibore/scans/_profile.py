@@ -1,6 +1,8 @@
 """A measured wall in memory: what every instrument's result is, whoever compares it."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import date as Date
 from functools import cached_property
 from pathlib import Path
 
@@ -20,8 +22,9 @@ class Profile:
 
     `axial` (n,) of the rings; `radius`, `axial_position` of the wall points, `u_independent` (n, m), NaN where nothing
     was measured; cov(radius) = diag(u_independent^2) + sum over `common_mode` (q, n, m) of m m^T; `correlation` (n, k)
-    of the independent part at lags of 1 .. k clock steps; `status` (n, m). Raises InputError where shapes disagree or
-    nothing was measured at all.
+    of the independent part at lags of 1 .. k clock steps; `status` (n, m). `sampled`: a point is the wall at its clock
+    (a head, a probe), not a mean over the clock step; `date` of the survey, where known. Raises InputError where shapes
+    disagree or nothing was measured at all.
     """
 
     axial: Array
@@ -34,6 +37,8 @@ class Profile:
     status: NDArray[np.uint8]
     name: str = ""
     nominal_radius: float = float("nan")
+    sampled: bool = False
+    date: Date | None = None
 
     def __post_init__(self) -> None:
         shape = (self.axial.size, self.clock.size)
@@ -67,18 +72,43 @@ class Profile:
 
     def rings(self, rows: NDArray[np.integer] | slice) -> "Profile":
         """Some of the rings only."""
-        return Profile(
-            self.axial[rows],
-            self.clock,
-            self.radius[rows],
-            self.axial_position[rows],
-            self.u_independent[rows],
-            self.common_mode[:, rows],
-            self.correlation[rows],
-            self.status[rows],
-            self.name,
-            self.nominal_radius,
-        )
+        own = ("axial", "radius", "axial_position", "u_independent", "correlation", "status")
+        return replace(self, **{name: getattr(self, name)[rows] for name in own}, common_mode=self.common_mode[:, rows])
+
+
+def joined(profiles: Sequence[Profile]) -> Profile:
+    """One profile of sections of one scan, measured with one rig file: their common modes are the same parameters'.
+
+    Where sections overlap, of two rings nearer than half the spacing the one with more points stays. Raises InputError
+    where clock positions or the number of modes differ.
+    """
+    first = profiles[0]
+    if any(
+        one.clock.shape != first.clock.shape
+        or not np.allclose(one.clock, first.clock, atol=1e-9)
+        or len(one.common_mode) != len(first.common_mode)
+        or one.correlation.shape[1] != first.correlation.shape[1]
+        for one in profiles
+    ):
+        raise InputError("Sections can be joined where clock positions and rig file are the same for all of them.")
+    columns = ("axial", "radius", "axial_position", "u_independent", "correlation", "status")
+    stacked = {name: np.concatenate([getattr(one, name) for one in profiles]) for name in columns}
+    modes = np.concatenate([one.common_mode for one in profiles], axis=1)
+    whole = replace(first, **stacked, common_mode=modes)
+    return whole.rings(_of_each_place(whole, min(one.spacing for one in profiles) / 2))
+
+
+def _of_each_place(profile: Profile, apart: float) -> NDArray[np.intp]:
+    """Rows, rising along the axis, of which none is nearer to the next than `apart` [m]."""
+    kept: list[int] = []
+    points = profile.measured.sum(axis=1)
+    for row in np.argsort(profile.axial, kind="stable").tolist():
+        if kept and profile.axial[row] - profile.axial[kept[-1]] < apart:
+            if points[row] > points[kept[-1]]:
+                kept[-1] = row
+        else:
+            kept.append(row)
+    return np.array(kept, dtype=np.intp)
 
 
 def read_profile(out: Path | str) -> Profile:
@@ -89,9 +119,16 @@ def read_profile(out: Path | str) -> Profile:
         for name in ("axial", "clock", "radius", "axial_position", "u_independent", "common_mode", "noise_correlation")
     }
     columns["correlation"] = columns.pop("noise_correlation")
-    name, nominal = str(stored.attrs.get("title", "")), float(stored.attrs.get("nominal_radius", np.nan))
+    said, day = stored.attrs, stored.attrs.get("scan_date")
     rows = np.flatnonzero(np.isfinite(columns["radius"]).any(axis=1))
     if rows.size == 0:
         raise InputError(f"{out} holds no radius at all; nothing was measured there.")
-    whole = Profile(**columns, status=np.asarray(stored["status"]), name=name, nominal_radius=nominal)
+    whole = Profile(
+        **columns,
+        status=np.asarray(stored["status"]),
+        name=str(said.get("title", "")),
+        nominal_radius=float(said.get("nominal_radius", np.nan)),
+        sampled=said.get("scan_kind", "forward-looking") != "forward-looking",
+        date=None if day is None else Date.fromisoformat(str(day)),
+    )
     return whole.rings(rows[np.argsort(columns["axial"][rows], kind="stable")])

@@ -4,10 +4,11 @@ import hashlib
 import json
 import string
 from collections.abc import Callable
+from datetime import date as Date
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, Field, Strict
+from pydantic import AfterValidator, BeforeValidator, Field, Strict
 
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import InputError
@@ -47,6 +48,18 @@ def _turning(value: float) -> float:
 def _this_format(value: str) -> str:
     if value != "calibore-scan/1":
         raise ValueError('this program reads scan files of format "calibore-scan/1"')
+    return value
+
+
+def _day(value: object) -> object:
+    """2024-05-31, as TOML has it or as text; no time of day."""
+    if isinstance(value, str):
+        try:
+            return Date.fromisoformat(value)
+        except ValueError as error:
+            raise ValueError(f'"{value}" is no date; write e.g. 2024-05-31') from error
+    if value is not None and type(value) is not Date:
+        raise ValueError(f"{value} is no date; write e.g. 2024-05-31")
     return value
 
 
@@ -100,6 +113,7 @@ class _Grid(Document):
 class _Scan(Document):
     format: Annotated[str, AfterValidator(_this_format)]
     name: Annotated[str, Field(min_length=1)]
+    date: Annotated[Date | None, BeforeValidator(_day)] = None
     rig: str | None = None
     pipe: _Pipe
     images: _Images | None = None
@@ -190,6 +204,7 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
         search_inner=document.search.inner,
         search_outer=document.search.outer,
         axial_step=document.grid.axial_step,
+        date=document.date,
     )
 
 

@@ -164,7 +164,9 @@ class ResultWriter:
 
     @property
     def _about(self) -> dict[str, str]:
-        return {"Conventions": "CF-1.11", "title": self._spec.name, "scan_identity": self._spec.identity}
+        about = {"Conventions": "CF-1.11", "title": self._spec.name, "scan_identity": self._spec.identity}
+        about["scan_kind"] = self._spec.kind
+        return about | ({"scan_date": self._spec.date.isoformat()} if self._spec.date else {})
 
     def _begun_points(self) -> GrowingGroup:
         self._points = self._points or GrowingGroup(

@@ -138,7 +138,9 @@ def _scatter(sight: Sight, residuals: Array, jacobian: Array) -> tuple[Array, Ar
     variance of each: 1 minus its leverage.
     """
     lines = sight.sight_of_line[:, None] == np.unique(sight.sight_of_line)
-    table = np.column_stack([jacobian / np.linalg.norm(jacobian, axis=0), lines]) / sight.sigma[:, None]
+    size = np.linalg.norm(jacobian, axis=0)
+    told = size > 0  # not what was printed of a ring outside all pictures
+    table = np.column_stack([jacobian[:, told] / size[told], lines]) / sight.sigma[:, None]
     basis, strength, _ = np.linalg.svd(table, full_matrices=False)
     basis = basis[:, strength > RANK * strength[0]]
     relative = residuals / sight.sigma
