@@ -1,24 +1,59 @@
 """`calibore reproduce --out OUT`: the published numbers, tables and figures, computed anew."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from calibore.cli._profile import as_json, progress_bar
+from calibore.cli._failure import wrong_usage
+from calibore.cli._profile import Scheduler, as_json, progress_bar
+from calibore.errors import InputError
 
-Out = Annotated[Path, typer.Option("--out", "-o", help="Folder for page, JSON and pictures; it appears when complete.")]
-Processes = Annotated[int | None, typer.Option(min=1, help="Processes that draw.", show_default="all cores")]
+Out = Annotated[Path, typer.Option("--out", "-o", help="Folder for page, JSON and pictures.")]
+Processes = Annotated[int | None, typer.Option(min=1, help="Processes at work.", show_default="all cores")]
 NOT_REPRODUCED = 1
+
+
+class Size(StrEnum):
+    """Of the experiment."""
+
+    REDUCED = "reduced"
+    FULL = "full"
 
 
 def reproduce(
     out: Out,
+    experiment: Annotated[
+        bool,
+        typer.Option(
+            "--experiment", help="Chapters 6 to 8 instead: calibrate, scan, touch and compare a simulated pipe."
+        ),
+    ] = False,
+    size: Annotated[
+        Size, typer.Option(help="Of the experiment; full: 200 000 pictures of the head alone.")
+    ] = Size.REDUCED,
+    seed: Annotated[int, typer.Option(min=0, help="Of the experiment's noise.")] = 1,
+    keep_pictures: Annotated[bool, typer.Option(help="Keep the experiment's pictures once measured.")] = False,
     workers: Processes = None,
+    scheduler: Scheduler = None,
     json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
-    """Compute every number, table and figure of the dissertation anew and say where ours agree. Needs no input."""
+    """Compute every number, table and figure of the dissertation anew and say where ours agree. Needs no input.
+
+    With --experiment: an interrupted run goes on where it was when it is given the same folder again.
+    """
     import os
+
+    if experiment:
+        from calibore.cli._reproduce_experiment import reproduce_experiment
+
+        options: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "keep_pictures": keep_pictures}
+        reproduce_experiment(out, size=size.value, seed=seed, json=json, **options)
+        return
+    with wrong_usage():
+        if scheduler or keep_pictures:
+            raise InputError("--scheduler and --keep-pictures belong to --experiment; add it.")
 
     from calibore.reports import write_reproduction
 

@@ -54,15 +54,11 @@ def target_of(instrument: Instrument, rig: Rig, plan: Plan) -> Target:
     surface = rig.lasers[0].surface
     if isinstance(surface, Plane):
         said = {"u_ring": f"{1e3 * U_RING:.9g} mm"}
-        return RingTarget(
-            rig.camera, surface, INCH, RINGS, SPOKES, u_ring=U_RING, takes=plan.target_takes, stated=said
-        )
+        return RingTarget(rig.camera, surface, INCH, RINGS, SPOKES, u_ring=U_RING, takes=plan.target_takes, stated=said)
     if isinstance(surface, Cone):
         cone = replace(surface, baseline=1.02 * surface.baseline, aim=surface.aim + np.radians(0.3))
         design = replace(rig, lasers=(replace(rig.lasers[0], surface=cone),))
-        gauges = tuple(
-            Gauge(size * INCH, (0.02 * INCH * number, 0.01 * INCH)) for number, size in enumerate(GAUGES)
-        )
+        gauges = tuple(Gauge(size * INCH, (0.02 * INCH * number, 0.01 * INCH)) for number, size in enumerate(GAUGES))
         return GaugeTarget(rig, gauges, design=design, takes=plan.target_takes)
     indices = tuple(range(NEAREST, FARTHEST + 1, plan.flat_every))
     return RangeTarget(

@@ -138,9 +138,7 @@ def _head() -> Instrument:
         "k": f"{now.camera.lens.k * HEAD_CHANGE.per_pixel / 100:.4g}",
     }
     name, line = "side-2.4in", LineLight(sigma=HEAD_LINE)
-    return Instrument(
-        name, "side-facing, 2.4 in", "side", 2.4, now, head_of(*EXTRINSIC), drift, _pose(name), 0.0, line
-    )
+    return Instrument(name, "side-facing, 2.4 in", "side", 2.4, now, head_of(*EXTRINSIC), drift, _pose(name), 0.0, line)
 
 
 def head_of(baseline: float, aim: float, per_pixel: float) -> Rig:

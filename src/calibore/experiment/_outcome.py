@@ -15,6 +15,7 @@ from calibore.experiment._truth import SAME, true_radius
 from calibore.experiment._workshop import Workshop
 from calibore.registration import RIGID, Motion, Registration, register
 from calibore.scans import Profile, joined, read_profile
+from calibore.uncertainty import Quantity
 
 Array = NDArray[np.float64]
 FACTOR = 1.96
@@ -69,9 +70,10 @@ class Judgement:
 
 @dataclass(frozen=True, eq=False)
 class LaserOutcome:
-    """Of the instrument `name`: errors by rig file (EXACT, FRESH, DRIFTED, UNSTATED) against the truth and against the tactile
-    profile; the fraction of visible points `missed`; its `profile` by the exact rig file and how that was brought onto
-    the tactile one; `conditioning`: the same with the rig file that is out of date, and its scale; None where none is.
+    """Of the instrument `name`: errors by rig file (EXACT, FRESH, DRIFTED, UNSTATED) against the truth and against the
+    tactile profile; the fraction of visible points `missed`; its `profile` by the exact rig file and how that was
+    brought onto the tactile one; `conditioning`: how the profile by the rig file that is out of date was, and the
+    `scale` that suits it, whose uncertainty counts how well the day's calibration knows the size; None where no rig file is.
     """
 
     name: str
@@ -81,6 +83,7 @@ class LaserOutcome:
     profile: Profile
     registration: Registration
     conditioning: Registration | None
+    scale: Quantity | None
 
     @property
     def instrument(self) -> Instrument:
@@ -97,9 +100,9 @@ def read_laser(instrument: Instrument, workshop: Workshop, touched: Profile) -> 
     for variant, profile in profiles.items():
         by_touch[variant], registrations[variant] = _against_touch(profile, touched, start)
         start = registrations[variant].motion
-    conditioning = None
+    conditioning = scale = None
     if UNSTATED in profiles:
-        conditioning = register(profiles[UNSTATED], touched, free=(*RIGID, "scale"), start=start, search=False)
+        conditioning, scale = _scaled(profiles[UNSTATED], touched, start)
     truths = [workshop.scan(instrument.name, number) / "truth.npz" for number in range(len(sections[EXACT]))]
     return LaserOutcome(
         instrument.name,
@@ -109,7 +112,17 @@ def read_laser(instrument: Instrument, workshop: Workshop, touched: Profile) -> 
         profiles[EXACT],
         registrations[EXACT],
         conditioning,
+        scale,
     )
+
+
+def _scaled(profile: Profile, touched: Profile, start: Motion | None) -> tuple[Registration, Quantity]:
+    """As chapter 8 does it: moved and scaled until it fits, whatever the calibration knows."""
+    bare = replace(profile, common_mode=profile.common_mode[:0])
+    found = register(bare, touched, free=(*RIGID, "scale"), start=start, search=False)
+    known = np.nanmedian(profile.common_mode / profile.radius, axis=(1, 2))
+    u = float(np.hypot(found.u("scale"), np.linalg.norm(known)))
+    return found, Quantity(found.motion.scale, u)
 
 
 def _sections(instrument: Instrument, workshop: Workshop) -> dict[str, list[Profile]]:

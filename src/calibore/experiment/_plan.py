@@ -16,9 +16,9 @@ FORMAT, NOTE = "calibore-experiment-plan/1", "plan.json"
 @dataclass(frozen=True)
 class Plan:
     """`rings` of a forward-looking scan `ring_step` [m] apart, photographed `takes` times; a head that stops `stops`
-    times `stop_step` [m] apart and at `angles` clocks; `touched` = (rings, angles) of the tactile scan. `section`: rings
-    of a forward-looking scan that are simulated and profiled at a time; of a head it is always one stop. Photographs
-    of rings and gauges are taken `target_takes` times; of the stops of a flat, 0.1 in apart, every `flat_every`th.
+    times `stop_step` [m] apart and at `angles` clocks; `touched` = (rings, angles) of the tactile scan. `section`:
+    rings of a forward-looking scan that are simulated and profiled at a time; of a head it is one stop. Photographs of
+    rings and gauges are taken `target_takes` times; of the stops of a flat, 0.1 in apart, every `flat_every`th.
     """
 
     name: str

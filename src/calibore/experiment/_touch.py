@@ -33,9 +33,7 @@ STEPS = 3
 def touch(workshop: Workshop) -> None:
     """Makes scan, probe file and profile."""
     scan, probe = workshop.out / "scans" / NAME, workshop.out / "calibrations" / "probe.toml"
-    workshop.made(
-        scan, lambda out: simulate_tactile(out, survey_of(workshop.plan), seed=100 * workshop.plan.seed + 99)
-    )
+    workshop.made(scan, lambda out: simulate_tactile(out, survey_of(workshop.plan), seed=100 * workshop.plan.seed + 99))
     workshop.made(probe, partial(_calibrated, scan))
     workshop.made(profile_of(workshop), lambda out: profile_scan(scan, out, probe=probe))
 

@@ -15,6 +15,7 @@ gives it, its ring quantities, and the nominal radius [m]. Files are the caller'
 `calibration_pictures`, `difference_pictures`, `plan_pictures`   what a calibration means, how two differ, what to
                                      photograph next
 `comparison_pictures`                two profiles compared
+`experiment_pictures`                the dissertation's experiment again
 `known_rig`, `nominal_radius_of`, `shown_radii`, `image_lattice`   where those pictures look
 `length_unit`, `plain_text`          the reader's unit; numbers without exponents
 `save_picture`, `save_vector`        a figure as PNG, as SVG
@@ -27,6 +28,7 @@ from calibore.plotting._calibration_parts import image_lattice, known_rig, nomin
 from calibore.plotting._comparison import comparison_pictures
 from calibore.plotting._design import DesignPicture, design_pictures, save_vector
 from calibore.plotting._design_build import limit_text, parameter_words
+from calibore.plotting._experiment import experiment_pictures
 from calibore.plotting._figures import COVERAGE_FACTOR, save_picture
 from calibore.plotting._lengths import LengthUnit, axial_unit, length_unit, plain_text
 from calibore.plotting._line import detected_line
@@ -59,6 +61,7 @@ __all__ = [
     "deviation_map",
     "diameter_along",
     "difference_pictures",
+    "experiment_pictures",
     "governing_ovality",
     "image_lattice",
     "known_rig",

@@ -9,6 +9,7 @@
 `write_calibration_page`, `write_difference_page`, `write_plan_page`   what a calibration means, how two differ, which
                    picture is next: a folder each
 `write_comparison`  two profiles compared: arrays, numbers (summary.json), pictures and one page
+`write_experiment`  the dissertation's experiment again: numbers, pictures and one page
 `write_optimisation`   the rigs that an optimisation found as a folder of rig files, chart, numbers and one page
 """
 
@@ -16,6 +17,7 @@ from calibore.reports._calibration import write_calibration_page, write_differen
 from calibore.reports._calibration_plan import write_plan_page
 from calibore.reports._comparison import write_comparison
 from calibore.reports._design import design_data, write_design
+from calibore.reports._experiment import write_experiment
 from calibore.reports._finisher import finisher, illustrate
 from calibore.reports._numbers import expanded_text
 from calibore.reports._optimise import fill_optimisation, optimisation_folder, write_optimisation
@@ -33,6 +35,7 @@ __all__ = [
     "write_comparison",
     "write_design",
     "write_difference_page",
+    "write_experiment",
     "write_optimisation",
     "write_plan_page",
     "write_report",
