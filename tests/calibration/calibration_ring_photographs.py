@@ -7,31 +7,20 @@ from calibration_ring_marks import LAWS
 
 from calibore.calibration._lens_models import CENTRE, LensModel
 from calibore.calibration._rings._target import RingTarget
-from calibore.geometry import Pose
 from calibore.optics import LENS_LAWS
 from calibore.simulation import Sensor, photograph_rings
 from calibore.simulation._files import write_png
+from calibore.simulation._targets._rings import target_pose
 
 SPACING = 0.02
 INK = 0.0014
-
-
-def target_from_camera(target: RingTarget) -> Pose:
-    """The pose that the renderer takes: the target's plane is its z = 0, its first spoke along its x."""
-    normal = np.array([-target.tilt_x, -target.tilt_y, 1.0])
-    along = np.array([1.0, 0.0, target.tilt_x])
-    normal, along = normal / np.linalg.norm(normal), along / np.linalg.norm(along)
-    across, cosine, sine = np.cross(normal, along), np.cos(target.roll), np.sin(target.roll)
-    rotation = np.stack([cosine * along + sine * across, cosine * across - sine * along, normal])
-    centre = target.point(np.zeros(1), np.zeros(1))[0]
-    return Pose(rotation, -rotation @ centre)
 
 
 def photograph(lens: LensModel, values, target: RingTarget, *, rings: int, size, rng, psf_sigma=1.0):
     """The picture (h, w, 3) of a target with 8 spokes."""
     return photograph_rings(
         lens.camera(values, width=size[0], height=size[1]),
-        target_from_camera(target),
+        target_pose(target.plane, centre=(target.centre_x, target.centre_y), roll=target.roll),
         ring_spacing=SPACING,
         rings=rings,
         spokes=8,

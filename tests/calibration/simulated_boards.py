@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from calibore.calibration._boards._bundle import Estimate
-from calibore.calibration._boards._data import BoardData, rotations
+from calibore.calibration._boards._data import BoardData
 from calibore.calibration._boards._pictures import BoardPictures, BoardTargetFile
 from calibore.calibration._boards._start import poses_from_rays
 from calibore.calibration._input_files import InputFile
 from calibore.calibration._lens_models import LensModel
-from calibore.geometry import Pose
 from calibore.optics import LENS_LAWS, Camera, Lens
+from calibore.simulation import held_boards as held
 from calibore.targets import Board, BoardMarks
 
 SQUARE = 0.024
@@ -40,44 +40,8 @@ def law_camera(rng, law, *, size=SIZE, widest=None):
 
 def held_boards(camera, rng, count, *, corners=CORNERS, square=SQUARE, kind="chessboard", tilt=40.0, margin=12.0):
     """Poses `camera_from_board` of boards wholly in the picture, facing the camera but for `tilt` [deg]."""
-    points = places(corners, square, kind)
-    middle = (points.max(axis=0) + points.min(axis=0)) / 2
-    found = []
-    while len(found) < count:
-        u, v = rng.uniform(0.08, 0.92, 2) * (camera.width, camera.height)
-        towards = camera.unproject([u], [v]).direction[0]
-        if not np.isfinite(towards).all():
-            continue
-        rotation = facing(towards) @ tilted(rng, tilt)
-        distance = np.linalg.norm(middle) / np.tan(np.radians(rng.uniform(8, 24)))
-        pose = Pose(rotation, towards * distance - rotation @ middle)
-        if inside(camera, pose, points, margin):
-            found.append(pose)
-    return found
-
-
-def facing(towards):
-    """Rotation (3, 3) of a board whose z points along the unit vector `towards`."""
-    x = np.cross([0.0, 1.0, 0.0], towards)
-    x /= np.linalg.norm(x)
-    return np.stack([x, np.cross(towards, x), towards], axis=1)
-
-
-def tilted(rng, tilt):
-    angle, way, roll = np.radians(rng.uniform(0, tilt)), *rng.uniform(0, 2 * np.pi, 2)
-    lean = np.array([angle * np.cos(way), angle * np.sin(way), 0.0])
-    return rotations(lean[None])[0] @ rotations(np.array([[0.0, 0.0, roll]]))[0]
-
-
-def inside(camera, pose, points, margin):
-    u, v = camera.project(pose.apply(points))
-    return bool(
-        np.isfinite(u).all()
-        and u.min() > margin
-        and u.max() < camera.width - 1 - margin
-        and v.min() > margin
-        and v.max() < camera.height - 1 - margin
-    )
+    tilt = np.radians(tilt)
+    return held(camera, Board(kind, corners), square=square, count=count, rng=rng, tilt=tilt, margin=margin)
 
 
 def marks_of(camera, poses, rng, *, noise=0.05, corners=CORNERS, square=SQUARE, bends=(0.0, 0.0, 0.0)):

@@ -69,6 +69,7 @@ class Crossings:
         points = self._rig_points(pipe_points)
         clock = clock_of(points[:, 0], points[:, 1])
         visible = reached & inside_image(*self.rig.project(points), self.rig) & self.line.lights(clock)
+        visible &= self.wall.dry(pipe_points)
         lit = pipe_points[visible]
         normal = wall_normal(self.wall, lit, clock_of(lit[:, 0], lit[:, 1]))
         visible[visible] = sees(self.wall, lit, self.pupil, normal=normal)

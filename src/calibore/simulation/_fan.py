@@ -55,7 +55,7 @@ class Fan:
         """The wall points (n, 3) of the pipe frame that the rays at `angle` (n,) [rad] light; NaN where none is."""
         rays = self.along + np.cos(angle)[:, None] * self.even + np.sin(angle)[:, None] * self.odd
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-        return self.source + _distance(wall, self.source, rays)[:, None] * rays
+        return self.source + distance_to_wall(wall, self.source, rays)[:, None] * rays
 
     def normal(self, points: Array) -> Array:
         """The unit normal (n, 3) of the laser surface at `points` (n, 3), pipe frame."""
@@ -84,7 +84,7 @@ def _rays_of(surface: LaserSurface) -> tuple[Array, Array, Array, Array]:
     )
 
 
-def _distance(wall: PipeWall, source: Array, rays: Array) -> Array:
+def distance_to_wall(wall: PipeWall, source: Array, rays: Array) -> Array:
     """Distance (n,) [m] from `source` (3,) along `rays` (n, 3) to the first wall; NaN where there is none.
 
     Followed in even steps through the shell that holds all of the wall; the step that leaves the open brackets it.

@@ -1,7 +1,6 @@
 """Surfaces whose place is known, to calibrate on: a flat target before a side-facing head; a ring gauge is a pipe."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,15 +8,16 @@ from numpy.typing import NDArray
 from calibore.errors import InputError
 from calibore.geometry import Pose
 from calibore.rigs import Rig
-from calibore.simulation._files import write_png
-from calibore.simulation._light import LineLight, LitLine, lit_line
+from calibore.simulation._light import LineLight, LitLine, inside_image, lit_line
 from calibore.simulation._parts import WallPart, turned
-from calibore.simulation._picture import photograph
+from calibore.simulation._picture import photograph_all
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._wall import PipeWall
 
 Array = NDArray[np.float64]
 WIDEST = np.radians(60.0)
+WIDE = 2.0  # of its distance: how far to either side a flat is looked at
+BORDER = 3.0  # px; a line nearer to the picture's border counts as outside
 OUTWARDS = np.pi
 """Clock, in the frame of a side-facing head, of its y axis."""
 
@@ -55,6 +55,13 @@ def lit_flat(rig: Rig, distance: float, *, slope: float = 0.0, line: LineLight, 
     return lit_line(rig, wall, pipe_from_rig=Pose.identity(), line=line, psf_sigma=psf_sigma)
 
 
+def sees_flat(rig: Rig, distance: float) -> bool:
+    """Whether the camera of a side-facing head sees any of its line on a flat at `distance` [m]."""
+    along = np.linspace(-WIDE, WIDE, 1001) * distance
+    points = np.stack([np.zeros_like(along), np.full(along.shape, distance), along], axis=1)
+    return bool(inside_image(*rig.project(points), rig, margin=-BORDER).any())
+
+
 def photograph_flat(
     rig: Rig,
     distance: float,
@@ -65,40 +72,15 @@ def photograph_flat(
     sensor: Sensor | None = None,
     room: float = 0.0,
 ) -> NDArray[np.uint8 | np.uint16]:
-    """The picture (h, w, 3) of that line; `room`: brightness of the target in room light, as a fraction of white."""
+    """The picture (h, w, 3) of that line, dark where it lies outside the picture; `room`: brightness of the target in
+    room light, as a fraction of white.
+    """
     line, sensor = line or LineLight(), sensor or Sensor()
-    lit = lit_flat(rig, distance, slope=slope, line=line, psf_sigma=sensor.psf_sigma)
-    picture = photograph(lit, rig, line=line, sensor=sensor, rng=rng)
+    lines = {}
+    if sees_flat(rig, distance):
+        lines = {0: lit_flat(rig, distance, slope=slope, line=line, psf_sigma=sensor.psf_sigma)}
+    picture = photograph_all(lines, rig, line=line, sensor=sensor, rng=rng)
     if room == 0:
         return picture
     white = np.iinfo(picture.dtype).max
     return np.minimum(picture + np.rint(room * white), white).astype(picture.dtype)
-
-
-def simulate_range_target(
-    folder: Path,
-    rig: Rig,
-    indices: list[int],
-    *,
-    step: float,
-    rng: np.random.Generator,
-    u_range: float = 0.0,
-    room_takes: tuple[int, ...] = (0,),
-    takes: int = 2,
-    design: str,
-) -> list[float]:
-    """Pictures "range {index:03d} {take}.png" of a flat at index x `step` [m], each stop off by chance with standard
-    deviation `u_range` [m], and target.toml with the lines `design`; returns the true ranges.
-    """
-    true = []
-    for index in indices:
-        true.append(index * step + u_range * float(rng.standard_normal()))
-        for take in range(takes):
-            room = 0.4 if take in room_takes else 0.0
-            write_png(folder / f"range {index:03d} {take}.png", photograph_flat(rig, true[-1], rng=rng, room=room))
-    text = (
-        'format = "calibore-target/1"\nkind = "range"\nimages = "range {index:03d} {take}.png"\n'
-        f'range_step = "{1e3 * step:.9g} mm"\n{design}\n'
-    )
-    (folder / "target.toml").write_text(text, encoding="utf-8")
-    return true

@@ -52,7 +52,8 @@ class LitLine:
     """Points of the wall, in order of the `angle` (n,) [rad] of the fan that lights them; `closed`: the last is next to
     the first. `points` (n, 3) [m] of the rig frame; `u`, `v` (n,) [px]; `spread` (n, 2) [px]: image of one standard
     deviation of the laser's thickness; `visible`: lit, seen and inside the image; `energy` (n,): light of each point as
-    full scales x px^2; `signal` (n,): expected peak of the line as a fraction of full scale, 0 where not visible.
+    full scales x px^2; `signal` (n,): expected peak of the line as a fraction of full scale, 0 where not visible;
+    `stray`: the laser's light that reaches the picture elsewhere.
     """
 
     angle: Array
@@ -64,6 +65,7 @@ class LitLine:
     energy: Array
     signal: Array
     closed: bool = True
+    stray: "tuple[Stray, ...]" = ()
 
     @property
     def clock(self) -> Array:
@@ -74,6 +76,16 @@ class LitLine:
     def radius(self) -> Array:
         """Distance from the rig axis (n,) [m]."""
         return np.hypot(self.points[:, 0], self.points[:, 1])
+
+
+@dataclass(frozen=True, eq=False)
+class Stray:
+    """Light in the picture where no lit wall is: points at `u`, `v` (n,) [px] with `spread` and `energy` as above."""
+
+    u: Array
+    v: Array
+    spread: Array
+    energy: Array
 
 
 def lit_line(
@@ -102,12 +114,14 @@ def _traced(
     points = fan.rig_from_pipe.apply(pipe_points)
     u, v = rig.project(points)
     spread = _spread(rig, fan, pipe_points, _thickness(fan.normal(pipe_points), normal) * line.sigma)
-    candidates = inside_image(u, v, rig) & line.lights(clock_of(points[:, 0], points[:, 1]))
+    candidates = inside_image(u, v, rig) & line.lights(clock_of(points[:, 0], points[:, 1])) & wall.dry(pipe_points)
     pupil = pose.apply(rig.mount.translation)
     visible = candidates.copy()
     visible[candidates] = sees(wall, pipe_points[candidates], pupil, normal=normal[candidates])
-    energy = np.where(visible, gain * turn * _returned(pipe_points, normal, pupil), 0.0)
-    signal = energy / _area_per_point(u, v, spread, psf_sigma)
+    energy = np.where(visible, gain * turn * lambert(pipe_points, normal, pupil), 0.0)
+    if wall.finish is not None:
+        energy *= wall.finish.returned(pipe_points, normal, fan.source, pupil, nominal_radius=wall.nominal_radius)
+    signal = energy / area_per_point(u, v, spread, psf_sigma)
     return LitLine(angle, points, u, v, spread, visible, energy, np.where(visible, signal, 0.0), fan.closed)
 
 
@@ -151,14 +165,14 @@ def inside_image(u: Array, v: Array, rig: Rig, *, margin: float = 0.0) -> NDArra
     return (u > -edge) & (u < rig.camera.width - 1 + edge) & (v > -edge) & (v < rig.camera.height - 1 + edge)
 
 
-def _returned(points: Array, normal: Array, pupil: Array) -> Array:
+def lambert(points: Array, normal: Array, pupil: Array) -> Array:
     """Light (n,) that a matt wall (Lambert) returns to the pupil, of light that falls on it, up to a constant."""
     way = pupil - points
     square = np.einsum("ij,ij->i", way, way)
     return np.maximum(np.einsum("ij,ij->i", way, normal), 0.0) / square**1.5
 
 
-def _area_per_point(u: Array, v: Array, spread: Array, psf_sigma: float) -> Array:
+def area_per_point(u: Array, v: Array, spread: Array, psf_sigma: float) -> Array:
     """Light of a point over the peak of its line (n,) [px^2]: spacing x sqrt(2 pi) x line width. Where the line breaks
     off, the nearer neighbour tells the spacing.
     """

@@ -1,16 +1,18 @@
 """From the lit line to the picture: every point becomes a blurred image point, all of them add up."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibore.geometry import Pose
 from calibore.rigs import Rig
-from calibore.simulation._light import PIXEL_VARIANCE, LineLight, LitLine, lit_line
+from calibore.simulation._light import PIXEL_VARIANCE, LineLight, LitLine, Stray, lit_line
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._speckle import speckle_field
+from calibore.simulation._stray import seen_through
 from calibore.simulation._wall import PipeWall
+from calibore.simulation._window import CLEAR, Window
 
 Array = NDArray[np.float64]
 
@@ -31,14 +33,16 @@ def render_ring(
     sensor: Sensor = SENSOR,
     speckle_rng: np.random.Generator | None = None,
     laser: int = 0,
+    window: Window = CLEAR,
 ) -> NDArray[np.uint8 | np.uint16]:
-    """The picture (h, w, 3) of the line that `laser` draws on `wall`, rig at `pipe_from_rig`.
+    """The picture (h, w, 3) of the line that `laser` draws on `wall`, rig at `pipe_from_rig`, through its `window`.
 
     `rng` draws noise and the speckle of this take alone; `speckle_rng`, seeded alike for every take at one station,
-    the speckle they share. Surfaces are matt; light reaches the camera once reflected.
+    the speckle they share. Light reaches the camera once reflected by the wall, and perhaps by water or window.
     """
     lit = lit_line(rig, wall, pipe_from_rig=pipe_from_rig, line=line, psf_sigma=sensor.psf_sigma, laser=laser)
-    return photograph(lit, rig, line=line, sensor=sensor, rng=rng, speckle_rng=speckle_rng, laser=laser)
+    lit = seen_through(lit, rig, wall, pipe_from_rig=pipe_from_rig, window=window, laser=laser)
+    return photograph(lit, rig, line=line, sensor=sensor, rng=rng, speckle_rng=speckle_rng, laser=laser, window=window)
 
 
 def photograph(
@@ -50,9 +54,10 @@ def photograph(
     rng: np.random.Generator,
     speckle_rng: np.random.Generator | None = None,
     laser: int = 0,
+    window: Window = CLEAR,
 ) -> NDArray[np.uint8 | np.uint16]:
     """One take (h, w, 3) of a lit line, see `render_ring`."""
-    return photograph_all({laser: lit}, rig, line=line, sensor=sensor, rng=rng, speckle_rng=speckle_rng)
+    return photograph_all({laser: lit}, rig, line=line, sensor=sensor, rng=rng, speckle_rng=speckle_rng, window=window)
 
 
 def photograph_all(
@@ -63,12 +68,18 @@ def photograph_all(
     sensor: Sensor,
     rng: np.random.Generator,
     speckle_rng: np.random.Generator | None = None,
+    window: Window = CLEAR,
+    lamps: Sequence[Stray] = (),
 ) -> NDArray[np.uint8 | np.uint16]:
-    """One take (h, w, 3) with several lasers lit at once: their `lines` by number of the laser, none in the dark."""
+    """One take (h, w, 3) with several lasers lit at once: their `lines` by number of the laser, none in the dark, and
+    the white light of `lamps`; `window` adds its halo.
+    """
     shape = rig.camera.height, rig.camera.width
     picture = np.zeros((*shape, 3), dtype=np.float32)
     for laser, lit in lines.items():
         light = line_image(lit, shape, psf_sigma=sensor.psf_sigma)
+        for stray in lit.stray:
+            light += line_image(stray, shape, psf_sigma=sensor.psf_sigma)
         box = _lit_box(light)
         light[box] *= speckle_field(
             light[box].shape,
@@ -79,11 +90,13 @@ def photograph_all(
             decorrelation=sensor.take_decorrelation,
         )
         colour = np.roll(line.colour, CHANNEL_INDEX.get(rig.lasers[laser].channel or "red", 0)).astype(np.float32)
-        picture += light[..., None] * colour
+        picture += window.scattered(light)[..., None] * colour
+    for lamp in lamps:
+        picture += window.scattered(line_image(lamp, shape, psf_sigma=sensor.psf_sigma))[..., None]
     return sensor.read_out(picture, rng)
 
 
-def line_image(lit: LitLine, shape: tuple[int, int], *, psf_sigma: float) -> NDArray[np.float32]:
+def line_image(lit: LitLine | Stray, shape: tuple[int, int], *, psf_sigma: float) -> NDArray[np.float32]:
     """The line's light (h, w) as fractions of full scale: thickness, blur and pixel area, without any noise.
 
     Each point is a Gaussian whose covariance adds the blur, the laser's thickness along its image direction, and the
@@ -101,7 +114,7 @@ def line_image(lit: LitLine, shape: tuple[int, int], *, psf_sigma: float) -> NDA
     return padded[inner].astype(np.float32)
 
 
-def _add_points(image: Array, lit: LitLine, index: NDArray[np.intp], blur: float, half: int) -> None:
+def _add_points(image: Array, lit: LitLine | Stray, index: NDArray[np.intp], blur: float, half: int) -> None:
     """Add the points `index` of the line to the padded image, each on (2 half + 1)^2 pixels."""
     u, v, (a, b) = lit.u[index], lit.v[index], lit.spread[index].T
     column, row = np.rint(u).astype(np.intp), np.rint(v).astype(np.intp)

@@ -14,6 +14,7 @@ from calibore.rigs import Rig, SideFacing, read_rig
 from calibore.simulation._chance import draw_rig
 from calibore.simulation._light import LineLight
 from calibore.simulation._sensor import Sensor
+from calibore.simulation._spec_effects import FinishTable, ImagesTable, LampTable, OverlayTable, WaterTable, WindowTable
 from calibore.simulation._spec_parts import Count, Number, PartTable
 from calibore.simulation._survey import Station, Survey
 from calibore.simulation._wall import PipeWall
@@ -28,12 +29,24 @@ def _positive(value: float) -> float:
     return value
 
 
-class _Pipe(Document):
+class PipeTable(Document):
     nominal_radius: Annotated[Length, AfterValidator(_positive)]
     parts: tuple[PartTable, ...] = ()
+    finish: FinishTable | None = None
+    water: WaterTable | None = None
+
+    def wall(self, folder: Path) -> PipeWall:
+        """The wall; files relative to `folder`."""
+        parts = tuple(table.part(folder) for table in self.parts)
+        finish = water = None
+        if self.finish is not None:
+            parts, finish = parts + self.finish.deposits(), self.finish.finish()
+        if self.water is not None:
+            water = self.water.water()
+        return PipeWall(self.nominal_radius, parts, finish, water)
 
 
-class _Axial(Document):
+class AxialTable(Document):
     origin: Length
     step: Length
     stations: Annotated[int, Strict(), Field(ge=1)]
@@ -45,7 +58,7 @@ class _Angular(Document):
     stops: Annotated[int, Strict(), Field(ge=1)]
 
 
-class _Pose(Document):
+class PoseTable(Document):
     roll: Angle = 0.0
     pitch: Angle = 0.0
     yaw: Angle = 0.0
@@ -61,10 +74,10 @@ class _Wander(Document):
 
 
 class _Motion(Document):
-    axial: _Axial
+    axial: AxialTable
     angular: _Angular | None = None
     takes: Annotated[int, Strict(), Field(ge=1)] = 1
-    pose: _Pose = _Pose()
+    pose: PoseTable = PoseTable()
     wander: _Wander = _Wander()
 
 
@@ -73,14 +86,14 @@ class _Shadow(Document):
     width: Angle
 
 
-class _Line(Document):
+class LineTable(Document):
     sigma: Length = LineLight.sigma
     brightness: Annotated[float, Strict(), Field(ge=0)] = LineLight.brightness
     colour: tuple[Number, Number, Number] = LineLight.colour
     shadows: tuple[_Shadow, ...] = ()
 
 
-class _Sensor(Document):
+class SensorTable(Document):
     psf_sigma: Number = Sensor.psf_sigma
     speckle_contrast: Fraction = Sensor.speckle_contrast
     speckle_grain: Number = Sensor.speckle_grain
@@ -91,17 +104,24 @@ class _Sensor(Document):
     bits: Literal[8, 16] = 8
 
 
-class _Spec(Document):
+class RigsNamed(Document):
     format: Literal["calibore-simulation/1"]
     name: Annotated[str, Field(min_length=1)]
     rig: str
     true_rig: str | None = None
     drawn: bool = False
     seed: Count = 0
-    pipe: _Pipe
+
+
+class _Spec(RigsNamed):
+    pipe: PipeTable
     motion: _Motion
-    line: _Line = _Line()
-    sensor: _Sensor = _Sensor()
+    line: LineTable = LineTable()
+    sensor: SensorTable = SensorTable()
+    window: WindowTable = WindowTable()
+    lamps: tuple[LampTable, ...] = ()
+    overlays: tuple[OverlayTable, ...] = ()
+    images: ImagesTable = ImagesTable()
 
 
 def read_survey(path: Path | str, *, seed: int | None = None) -> tuple[Survey, int]:
@@ -109,7 +129,7 @@ def read_survey(path: Path | str, *, seed: int | None = None) -> tuple[Survey, i
     path = Path(path)
     spec = read_document(path, _Spec)
     seed = spec.seed if seed is None else seed
-    stated, true = _rigs(spec, path, seed)
+    stated, true = rigs_of(spec, path, seed)
     turning = isinstance(true.mount, SideFacing)
     if turning != (spec.motion.angular is not None):
         raise InputError(
@@ -123,23 +143,27 @@ def read_survey(path: Path | str, *, seed: int | None = None) -> tuple[Survey, i
         survey = Survey(
             name=spec.name,
             rig=true,
-            wall=PipeWall(spec.pipe.nominal_radius, tuple(table.part(path.parent) for table in spec.pipe.parts)),
+            wall=spec.pipe.wall(path.parent),
             stations=_stations(motion),
             origin=motion.axial.origin,
             step=motion.axial.step,
             pose=Pose.from_roll_pitch_yaw(**rotation, translation=(pose.x, pose.y, 0.0)),
-            line=_light(spec.line),
+            line=light_of(spec.line),
             sensor=Sensor(**spec.sensor.model_dump()),
             stated=stated,
             angular=None if angular is None else (angular.origin, angular.step),
             wander=Wander(**motion.wander.model_dump(), seed=seed),
+            window=spec.window.window(),
+            lamps=tuple(table.lamp() for table in spec.lamps),
+            overlays=tuple(table.overlay() for table in spec.overlays),
+            images=spec.images.storage(),
         )
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     return survey, seed
 
 
-def _rigs(spec: _Spec, path: Path, seed: int) -> tuple[Rig, Rig]:
+def rigs_of(spec: RigsNamed, path: Path, seed: int) -> tuple[Rig, Rig]:
     """The rig as its file describes it, and as it truly is: another file, a draw from what the first states, or it."""
     stated = read_rig(path.parent / spec.rig)
     if spec.true_rig is not None and spec.drawn:
@@ -158,6 +182,6 @@ def _stations(motion: _Motion) -> tuple[Station, ...]:
     )
 
 
-def _light(line: _Line) -> LineLight:
+def light_of(line: LineTable) -> LineLight:
     shadows = tuple((one.clock, one.width) for one in line.shadows)
     return LineLight(line.sigma, line.brightness, line.colour, shadows)

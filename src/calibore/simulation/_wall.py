@@ -7,7 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from calibore.errors import InputError
 from calibore.geometry import clock_of
+from calibore.simulation._finish import Finish
 from calibore.simulation._parts import WallPart
+from calibore.simulation._water import Water
 
 Array = NDArray[np.float64]
 
@@ -17,10 +19,14 @@ DIFFERENCE = 1e-6
 
 @dataclass(frozen=True)
 class PipeWall:
-    """`nominal_radius` [m]; `parts` reshape it one after the other. The pipe's axis is z, the wall endless."""
+    """`nominal_radius` [m]; `parts` reshape it one after the other. The pipe's axis is z, the wall endless. No
+    `finish`: the nominal one, matt; `water` may stand in it.
+    """
 
     nominal_radius: float
     parts: tuple[WallPart, ...] = ()
+    finish: Finish | None = None
+    water: Water | None = None
 
     def __post_init__(self) -> None:
         if not 0 < self.nominal_radius < np.inf:
@@ -60,3 +66,9 @@ class PipeWall:
         """How far (...,) [m] the points (..., 3) of the pipe frame lie inside the wall; negative in the open."""
         x, y, z = np.moveaxis(points, -1, 0)
         return np.hypot(x, y) - self.radius(z, clock_of(x, y))
+
+    def dry(self, points: Array) -> NDArray[np.bool_]:
+        """Which `points` (n, 3) of the pipe frame lie above the water."""
+        if self.water is None:
+            return np.ones(len(points), dtype=bool)
+        return ~self.water.covers(points, self.nominal_radius)

@@ -19,6 +19,8 @@ KEPT = 0.5
 """A stop of whose marks a robust fit keeps a smaller fraction is wrong as a whole, not some of its marks."""
 FEWEST_FREEDOM = 3.0
 """Degrees of freedom of a scatter that tells a wrong stop, or may stand for a statement that the stops contradict."""
+LEAST_LEFT = 0.1
+"""Of the degrees of freedom of a scatter, that the stops without the suspect have at least."""
 LEAST_SHARED = 1e-9
 """m: stops that scatter by less agree."""
 
@@ -148,8 +150,10 @@ def _shared_by_neighbours(partial: Array) -> float:
 
 
 def _studentised(t: float, freedom: float) -> float:
-    """`t` of a scatter that holds the suspect itself, as if it had been found without it."""
+    """`t` of a scatter that holds the suspect itself, as if it had been found without it. `freedom` is an estimate: that
+    nothing at all is left for the others to scatter by is never certain.
+    """
     if not np.isfinite(freedom):
         return t
-    left = freedom - t**2
-    return float(np.sign(t) * np.inf) if left <= 0 else t * float(np.sqrt(max(freedom - 1, 0.5) / left))
+    left = max(freedom - t**2, LEAST_LEFT * freedom)
+    return t * float(np.sqrt(max(freedom - 1, 0.5) / left))
