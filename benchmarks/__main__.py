@@ -1,7 +1,7 @@
 """`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
 
-`python -m benchmarks coverage`, `ovality`, `every_rig`, `pictures` and `calibration` run the long accuracy studies
-instead (minutes each), `cluster` two Dask workers against one.
+`python -m benchmarks coverage`, `ovality`, `every_rig`, `pictures`, `calibration`, `change` and `change_pictures` run
+the long accuracy studies instead (minutes each), `cluster` two Dask workers against one.
 """
 
 import os
@@ -23,10 +23,13 @@ def part(name: str, *rest: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
     from benchmarks import (
         calibration,
+        change,
+        change_pictures,
         cluster,
         end_to_end,
         every_rig,
         kernel,
+        prediction,
         side_facing,
         startup,
         studies,
@@ -44,11 +47,14 @@ def part(name: str, *rest: str) -> list[str]:
         "startup": startup.report,
         "triangulation": triangulation.report,
         "calibration": lambda: calibration.report(*rest),
+        "change": lambda: change.report(*rest),
+        "change_pictures": lambda: change_pictures.report(*rest),
         "cluster": cluster.report,
         "coverage": studies.coverage,
         "ovality": studies.ovality,
         "every_rig": every_rig.report,
         "pictures": every_rig.pictures,
+        "prediction": lambda: prediction.report(*rest),
     }
     return tables[name]()
 

@@ -155,6 +155,13 @@ def test_stops_that_scatter_by_more_than_was_stated_count_by_what_they_scatter()
     assert 4 < 8.5 * sum((one.stop_scatter / u_range) ** 2 for one in found) < 41
 
 
+@pytest.mark.parametrize("seed", [6, 11, 39])
+def test_few_good_stops_that_nobody_states_anything_of_lose_none(seed):
+    # with about four degrees of freedom the scatter without a suspect is hardly known
+    _, design, looks = random_head(np.random.default_rng([77, 9, seed]), stated=None, stops=9)
+    assert not without_wrong_stops(fit_range(design, looks, known=None), fewest=3)[1]
+
+
 def test_stops_that_all_agree_lose_none():
     _, design, looks = random_head(np.random.default_rng(9), stated=True)
     assert not without_wrong_stops(fit_range(design, looks, known=None), fewest=3)[1]

@@ -63,7 +63,8 @@ def diff(
     from calibore.calibration import difference
     from calibore.rigs import read_rig_or_camera
 
-    found = difference(read_rig_or_camera(first), read_rig_or_camera(second), nominal_radius=nominal)
+    a, b = (read_rig_or_camera(one, drift=False) for one in (first, second))
+    found = difference(a, b, nominal_radius=nominal)
     said = _plain_difference(found)
     if out is not None:
         from calibore.reports import write_difference_page

@@ -55,7 +55,9 @@ def compare(
     per_ring: Annotated[bool, typer.Option("--per-ring", help="Let every ring turn and shift a little.")] = False,
     outliers: Annotated[str, typer.Option(help='Errors that do not count: "0.15 in", or "4 sigma".')] = "0.15 in",
     false_alarm: Annotated[float, typer.Option(help="Probability that an unchanged pipe shows any change.")] = 0.05,
-    date_a: Annotated[str | None, typer.Option(help="Day of A, for rates per year: 2024-05-31.", show_default="date in scan.toml")] = None,
+    date_a: Annotated[
+        str | None, typer.Option(help="Day of A, for rates per year: 2024-05-31.", show_default="date in scan.toml")
+    ] = None,
     date_b: Annotated[str | None, typer.Option(help="Day of B.", show_default="date in scan.toml")] = None,
     workers: Workers = None,
     unit: UnitName = "mm",
@@ -101,7 +103,9 @@ def _years(days: "tuple[date | None, date | None]", profiles: "list[Profile]") -
     known = [day or profile.date for day, profile in zip(days, profiles, strict=True)]
     if any(days) and not all(known):
         lacks = "AB"[known.index(None)]
-        raise InputError(f"A rate needs both dates; give --date-{lacks.lower()} too, or date in the scan.toml of {lacks}.")
+        raise InputError(
+            f"A rate needs both dates; give --date-{lacks.lower()} too, or date in the scan.toml of {lacks}."
+        )
     return years_between(known[0], known[1])
 
 

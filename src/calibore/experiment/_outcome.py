@@ -20,6 +20,8 @@ from calibore.uncertainty import Quantity
 Array = NDArray[np.float64]
 FACTOR = 1.96
 """Times u: half of a 95 % interval."""
+NEAR, STEP = 3, 3.0
+"""Positions of the grid beside a point, and standard uncertainties that the wall may differ there, on plain wall."""
 UNSTATED = "unstated"
 """The rig file that is out of date, without its [drift]."""
 
@@ -53,6 +55,11 @@ class Judgement:
         return float(np.sqrt(np.mean(self.u**2)))
 
     @property
+    def relative(self) -> float:
+        """Root mean square of errors over their own stated uncertainties: 1 where these are right."""
+        return float(np.sqrt(np.mean((self.value / self.u) ** 2)))
+
+    @property
     def spread(self) -> float:
         """m; standard deviation of the absolute errors."""
         return float(np.std(np.abs(self.value)))
@@ -71,14 +78,16 @@ class Judgement:
 @dataclass(frozen=True, eq=False)
 class LaserOutcome:
     """Of the instrument `name`: errors by rig file (EXACT, FRESH, DRIFTED, UNSTATED) against the truth and against the
-    tactile profile; the fraction of visible points `missed`; its `profile` by the exact rig file and how that was
-    brought onto the tactile one; `conditioning`: how the profile by the rig file that is out of date was, and the
-    `scale` that suits it, whose uncertainty counts how well the day's calibration knows the size; None where no rig file is.
+    tactile profile; with the exact one against the truth `on_plain_wall`, away from edges; the fraction of visible
+    points `missed`; its `profile` by the exact rig file and how that was brought onto the tactile one; `conditioning`:
+    how the profile by the rig file that is out of date was, and the `scale` that suits it, whose uncertainty counts how
+    well the day's calibration knows the size; None where no rig file is.
     """
 
     name: str
     by_truth: Mapping[str, Judgement]
     by_touch: Mapping[str, Judgement]
+    on_plain_wall: Judgement
     missed: float
     profile: Profile
     registration: Registration
@@ -108,6 +117,7 @@ def read_laser(instrument: Instrument, workshop: Workshop, touched: Profile) -> 
         instrument.name,
         {variant: _against_truth(some, truths) for variant, some in sections.items()},
         by_touch,
+        _against_truth(sections[EXACT], truths, plain=instrument.kind),
         _missed(sections[EXACT], truths),
         profiles[EXACT],
         registrations[EXACT],
@@ -145,11 +155,24 @@ def _unaware(drifted: Profile, fresh: Profile) -> Profile:
     return replace(some, radius=np.where(known, some.radius, np.nan), common_mode=np.where(known, modes, 0.0))
 
 
-def _against_truth(sections: Sequence[Profile], truths: Sequence[Path]) -> Judgement:
-    true = np.concatenate([true_radius(*pair).ravel() for pair in zip(sections, truths, strict=True)])
-    u = np.concatenate([np.hypot(one.u_independent, one.u_common).ravel() for one in sections])
-    radius = np.concatenate([np.where(one.measured, one.radius, np.nan).ravel() for one in sections])
-    return Judgement.of(true, radius - true, u)
+def _against_truth(sections: Sequence[Profile], truths: Sequence[Path], *, plain: str = "") -> Judgement:
+    """Of all points, or of those of an instrument of the kind `plain` that lie on plain wall."""
+    trues, errors, us = [], [], []
+    for profile, truth in zip(sections, truths, strict=True):
+        true, u = true_radius(profile, truth), np.hypot(profile.u_independent, profile.u_common)
+        counts = _is_plain(true, u, axis=0 if plain == "side" else 1) if plain else np.isfinite(true)
+        trues.append(true[counts])
+        errors.append(np.where(profile.measured, profile.radius, np.nan)[counts] - true[counts])
+        us.append(u[counts])
+    return Judgement.of(*map(np.concatenate, (trues, errors, us)))
+
+
+def _is_plain(true: Array, u: Array, *, axis: int) -> NDArray[np.bool_]:
+    """Where (n, m) the wall is known and, within `NEAR` positions along the line of light, no step exceeds noise."""
+    plain = np.isfinite(true)
+    for steps in (*range(-NEAR, 0), *range(1, NEAR + 1)):
+        plain &= np.abs(np.roll(true, steps, axis=axis) - true) < STEP * u
+    return plain
 
 
 def _missed(sections: Sequence[Profile], truths: Sequence[Path]) -> float:

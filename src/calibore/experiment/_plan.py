@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from calibore.errors import InputError, OutputError
-from calibore.experiment._published import INCH
+from calibore.experiment._published import INCH, INSTRUMENTS
 
 FORMAT, NOTE = "calibore-experiment-plan/1", "plan.json"
 
@@ -34,21 +34,26 @@ class Plan:
     target_takes: int = 2
     flat_every: int = 1
     seed: int = 1
+    instruments: tuple[str, ...] = INSTRUMENTS
 
     def __post_init__(self) -> None:
         counts = (
             *(self.rings, self.takes, self.angles, self.stops, self.side_takes, *self.touched),
             *(self.section, self.target_takes, self.flat_every),
         )
-        if min(counts) < 1 or self.seed < 0:
-            raise InputError(f"An experiment needs at least one of everything and a seed >= 0, got {self}.")
+        if min(counts) < 1 or self.seed < 0 or not self.instruments or not set(self.instruments) <= set(INSTRUMENTS):
+            raise InputError(
+                f"An experiment needs at least one of everything, instruments of {', '.join(INSTRUMENTS)}, and a seed "
+                f">= 0, got {self}."
+            )
 
     def sections(self, count: int, *, size: int) -> list[range]:
         """`count` stations cut into sections of `size`."""
         return [range(first, min(first + size, count)) for first in range(0, count, size)]
 
     def as_plain(self) -> dict[str, Any]:
-        return {"format": FORMAT, "calibore": version("calibore"), **asdict(self), "touched": list(self.touched)}
+        plain: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return {"format": FORMAT, "calibore": version("calibore"), **plain}
 
 
 REDUCED = Plan(

@@ -6,6 +6,8 @@ INCH = 0.0254
 NOMINAL_RADIUS = 6 * INCH
 PLANES = (3, 6, 12, 30)
 """in; the nominal baselines of the perpendicular plane."""
+INSTRUMENTS = (*(f"plane-{baseline}in" for baseline in PLANES), "cone-3in", "side-2.4in")
+"""The lasers of the experiment; the cone is of chapter 3, not of the dissertation's experiment."""
 
 
 class Fitted(NamedTuple):

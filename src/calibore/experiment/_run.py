@@ -13,7 +13,7 @@ from calibore.calibration import Calibration, read_calibration
 from calibore.crews import Cluster, Workers
 from calibore.experiment._calibrations import calibrated, prepared
 from calibore.experiment._in_situ import VARIANT, in_situ_job
-from calibore.experiment._instruments import instrument_named, instruments
+from calibore.experiment._instruments import instrument_named
 from calibore.experiment._outcome import Judgement, LaserOutcome, read_laser
 from calibore.experiment._plan import Plan, settle
 from calibore.experiment._scans import EXACT, scan_sections, steps_of, variants_of
@@ -37,8 +37,9 @@ class Outcome:
     touch_errors: Judgement
     calibrations: dict[tuple[str, str], Calibration]
 
-    def laser(self, name: str) -> LaserOutcome:
-        return next(one for one in self.lasers if one.name == name)
+    def of_kind(self, kind: str) -> list[LaserOutcome]:
+        """Those that are a "plane", a "cone" or a head, "side"."""
+        return [one for one in self.lasers if one.instrument.kind == kind]
 
 
 def run_experiment(
@@ -57,7 +58,7 @@ def run_experiment(
     out = Path(out).absolute()
     settle(out, plan)
     workshop = Workshop(out, plan, crew, keep_pictures, progress)
-    every = instruments()
+    every = [instrument_named(name) for name in plan.instruments]
     files = [(one.name, variant) for one in every for variant in variants_of(one)]
     workshop.total = STEPS + 2 * len(files) + sum(steps_of(one, workshop) for one in every) + len(every)
     with _processes(crew) as apart:
@@ -92,7 +93,7 @@ def _alone(workshop: Workshop) -> Workshop:
 
 def _calibrations(workshop: Workshop) -> dict[tuple[str, str], Calibration]:
     found = {}
-    for instrument in instruments():
+    for instrument in map(instrument_named, workshop.plan.instruments):
         for variant in (*variants_of(instrument), VARIANT):
             place = workshop.calibration(variant, instrument.name)
             if variant != EXACT and place.exists():

@@ -30,28 +30,27 @@ TURN, RISE = np.radians(32.0), np.radians(24.0)
 
 def experiment_pictures(found: Outcome) -> Iterator[DesignPicture]:
     """In the order of the chapters."""
-    planes = [one for one in found.lasers if one.instrument.kind == "plane"]
-    heads = [one for one in found.lasers if one.instrument.kind == "side"]
-    cones = [one for one in found.lasers if one.instrument.kind == "cone"]
-    for name, title, figure, caption in (
-        ("figure_6_21", "Figure 6.21: three-dimensional views", solid_views(planes),
+    planes, heads, cones = (found.of_kind(kind) for kind in ("plane", "side", "cone"))
+    for name, title, draw, lasers, caption in (
+        ("figure_6_21", "Figure 6.21: three-dimensional views", solid_views, planes,
          "Darker: nearer to the axis than the nominal radius. What hides from the camera leaves gaps, the more the "
          "longer the baseline."),
-        ("figure_6_22", "Figure 6.22: top and front views", plain_views(planes),
+        ("figure_6_22", "Figure 6.22: top and front views", plain_views, planes,
          "Seen along the pipe, a noisier profile is a thicker ring."),
-        ("figure_7_27", "Figure 7.27: side-facing head, front and top views", plain_views(heads),
+        ("figure_7_27", "Figure 7.27: side-facing head, front and top views", plain_views, heads,
          "The head sees the wall at right angles: little hides from it."),
-        ("figure_8_13", "Figure 8.13: error against baseline", baseline_chart(found),
+        ("figure_8_13", "Figure 8.13: error against baseline", baseline_chart, planes,
          "Left: as published, bars one standard deviation of the absolute errors to either side of the rms. Right: "
          "ours, against the tactile profile, rig files exact."),
-        ("table_8_04", "Table 8.4: errors against radii, perpendicular plane", radius_charts(planes),
+        ("table_8_04", "Table 8.4: errors against radii, perpendicular plane", radius_charts, planes,
          "Dots: points, rig file exact, against the tactile profile. Shaded: what is predicted to hold 95 % of them."),
-        ("figure_8_14", "Figure 8.14: errors against radii, side-facing head", radius_charts(heads),
+        ("figure_8_14", "Figure 8.14: errors against radii, side-facing head", radius_charts, heads,
          "As above."),
-        ("cone", "Errors against radii, cone beside the camera", radius_charts(cones),
+        ("cone", "Errors against radii, cone beside the camera", radius_charts, cones,
          "Not in the dissertation's experiment; its chapter 3 predicts it."),
     ):  # fmt: skip
-        yield DesignPicture(name, title, caption, figure)
+        if lasers:
+            yield DesignPicture(name, title, caption, draw(lasers))
 
 
 def solid_views(lasers: Sequence[LaserOutcome]) -> Figure:
@@ -74,7 +73,7 @@ def solid_views(lasers: Sequence[LaserOutcome]) -> Figure:
 def plain_views(lasers: Sequence[LaserOutcome]) -> Figure:
     """Front (along the pipe) and top view of each."""
     notes = ["Front: seen along travel, crown up. Top: seen from above, the upper half only"]
-    figure = new_figure(4.9, title="Measured points, front and top", notes=notes)
+    figure = new_figure(4.3, title="Measured points, front and top", notes=notes)
     grid = figure.subplots(2, len(lasers), squeeze=False) if len(lasers) > 1 else figure.subplots(1, 2).reshape(2, 1)
     for (front, top), laser in zip(grid.T, lasers, strict=True):
         x, y, z, deviation = _points(laser)
@@ -88,7 +87,7 @@ def plain_views(lasers: Sequence[LaserOutcome]) -> Figure:
     return figure
 
 
-def baseline_chart(found: Outcome) -> Figure:
+def baseline_chart(lasers: Sequence[LaserOutcome]) -> Figure:
     """Observed and predicted uncertainty of the plane rigs against their baseline."""
     figure = new_figure(
         3.9,
@@ -96,7 +95,6 @@ def baseline_chart(found: Outcome) -> Figure:
         notes=["rms: root mean square error, eq. 8-4; predicted: theirs for the worst case, ours rms of the stated u"],
     )
     left, right = figure.subplots(1, 2)
-    lasers = [one for one in found.lasers if one.instrument.kind == "plane"]
     theirs = [TABLE_8_3[one.name] for one in lasers]
     ours = [one.by_touch[EXACT] for one in lasers]
     baseline = np.array([one.instrument.baseline for one in lasers])

@@ -52,6 +52,7 @@ def _laser(laser: Any) -> dict[str, Any]:
     return {
         "against_truth": {name: _judgement(one) for name, one in laser.by_truth.items()},
         "against_tactile": {name: _judgement(one) for name, one in laser.by_touch.items()},
+        "on_plain_wall": _judgement(laser.on_plain_wall),
         "missed": laser.missed,
         "motion": {name: [getattr(motion.motion, name), motion.u(name)] for name in motion.names},
     }
@@ -64,6 +65,7 @@ def _judgement(one: Judgement) -> dict[str, float]:
         "rms_in": one.rms / INCH,
         "predicted_in": one.predicted / INCH,
         "spread_in": one.spread / INCH,
+        "relative": one.relative,
         "inside_95": one.inside,
     }
 

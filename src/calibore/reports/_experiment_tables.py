@@ -15,7 +15,6 @@ from calibore.experiment import (
     HEAD_CHANGE,
     IN_SITU,
     INCH,
-    PLANES,
     TABLE_6_1,
     TABLE_8_2,
     TABLE_8_3,
@@ -53,9 +52,11 @@ class Table:
 def experiment_tables(found: Outcome) -> Iterator[Table]:
     """In the order of the chapters; the answer's own first."""
     yield _held(found)
-    yield _lenses(found)
-    yield _head(found)
-    yield _in_situ(found)
+    if found.of_kind("plane"):
+        yield _lenses(found)
+    if found.of_kind("side"):
+        yield _head(found)
+        yield _in_situ(found)
     yield _conditioning(found)
     yield _worst_cases(found)
 
@@ -63,6 +64,19 @@ def experiment_tables(found: Outcome) -> Iterator[Table]:
 def _held(found: Outcome) -> Table:
     rows = []
     for laser in found.lasers:
+        plain = laser.on_plain_wall
+        rows.append(
+            (
+                laser.instrument.title,
+                "the rig itself, away from edges",
+                _inches(plain.rms),
+                _inches(plain.predicted),
+                f"{plain.rms / plain.predicted:.2f}",
+                f"{plain.relative:.2f}",
+                f"{100 * plain.inside:.1f} %",
+                *("", "", ""),
+            )
+        )
         for variant, words in RIG_FILES.items():
             if variant in laser.by_truth:
                 truth, touch = laser.by_truth[variant], laser.by_touch[variant]
@@ -73,6 +87,7 @@ def _held(found: Outcome) -> Table:
                         _inches(truth.rms),
                         _inches(truth.predicted),
                         f"{truth.rms / truth.predicted:.2f}",
+                        f"{truth.relative:.2f}",
                         f"{100 * truth.inside:.1f} %",
                         _inches(touch.rms),
                         f"{100 * touch.inside:.1f} %",
@@ -80,8 +95,8 @@ def _held(found: Outcome) -> Table:
                     )
                 )
     columns = (
-        "Instrument", "Rig file", "rms [in]", "predicted rms [in]", "ratio", "inside 95 %", "rms, tactile [in]",
-        "inside 95 %, tactile", "outliers",
+        "Instrument", "Rig file", "rms [in]", "predicted rms [in]", "ratio", "rms of error / u", "inside 95 %",
+        "rms, tactile [in]", "inside 95 %, tactile", "outliers",
     )  # fmt: skip
     note = (
         "Errors of every visible point against the truth, and against the tactile profile as chapter 8 has it; beyond "
@@ -93,8 +108,8 @@ def _held(found: Outcome) -> Table:
 
 def _lenses(found: Outcome) -> Table:
     rows = []
-    for baseline in PLANES:
-        known = found.calibrations[FRESH, f"plane-{baseline}in"]
+    for laser in found.of_kind("plane"):
+        baseline, known = int(laser.instrument.baseline), found.calibrations[FRESH, laser.name]
         tried = {one.model: one for one in known.models}
         for law, theirs in TABLE_6_1.items():
             one, ours = theirs[baseline], tried.get(law)

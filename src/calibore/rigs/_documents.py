@@ -160,19 +160,11 @@ def camera_file() -> type[Document]:
 
 
 def _file(keys: tuple[str, ...], **tables: Any) -> type[Document]:
+    inputs = _inputs(keys)
     stripe: Any = Annotated[Number, Field(ge=0)]
-    inputs: dict[str, Any] = {"stripe": (stripe | None, None)}
-    inputs |= {name: (_stated(quantity_of(name), name) | None, None) for name in keys}
-    inputs |= {name: (_stated(Number, name) | None, None) for name in CAMERA_INPUTS}
-    port = {"port_thickness": Length, "port_index": Number, "port_distance": Length, "port_medium_index": Number}
-    inputs |= {name: (_stated(quantity, name) | None, None) for name, quantity in port.items()}
-    uncertainty: Any = create_model(
-        "UncertaintyTable",
-        __base__=Document,
-        pupil_walk=(tuple[Annotated[Length, Field(ge=0)], ...], ()),
-        correlation=(tuple[CorrelationTable, ...], ()),
-        **inputs,
-    )
+    beside: dict[str, Any] = {"stripe": (stripe | None, None), "correlation": (tuple[CorrelationTable, ...], ())}
+    uncertainty: Any = create_model("UncertaintyTable", __base__=Document, **inputs, **beside)
+    drift: Any = create_model("DriftTable", __base__=Document, **inputs)
     return create_model(
         "RigFile",
         __base__=Document,
@@ -181,4 +173,14 @@ def _file(keys: tuple[str, ...], **tables: Any) -> type[Document]:
         **tables,
         uncertainty=(uncertainty, uncertainty()),
         calibration=(CalibrationTable | None, None),
+        drift=(drift, drift()),
     )
+
+
+def _inputs(keys: tuple[str, ...]) -> dict[str, Any]:
+    """Whose standard uncertainty, or drift, a rig file may state: those of the laser's `keys`, and the camera's."""
+    inputs: dict[str, Any] = {name: (_stated(quantity_of(name), name) | None, None) for name in keys}
+    inputs |= {name: (_stated(Number, name) | None, None) for name in CAMERA_INPUTS}
+    port = {"port_thickness": Length, "port_index": Number, "port_distance": Length, "port_medium_index": Number}
+    inputs |= {name: (_stated(quantity, name) | None, None) for name, quantity in port.items()}
+    return inputs | {"pupil_walk": (tuple[Annotated[Length, Field(ge=0)], ...], ())}

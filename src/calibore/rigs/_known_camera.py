@@ -23,12 +23,12 @@ class KnownCamera:
     valid: ValidRegion | None = None
 
 
-def read_camera(path: Path | str) -> KnownCamera:
+def read_camera(path: Path | str, *, drift: bool = True) -> KnownCamera:
     """The camera of a whole rig file, or of one that holds a camera only; raises InputError where it holds none.
 
-    Its covariance is the marginal one: what a laser's parameters share with it is left out.
+    Its covariance is the marginal one: what a laser's parameters share with it is left out. `drift` as in `read_rig`.
     """
-    camera, known = read_part(Path(path))
+    camera, known = read_part(Path(path), drift=drift)
     names = [name for name in known.covariance.names if name.startswith("camera.")] if known.covariance else []
     unknown = set(names) - set(camera.parameter_names)
     if unknown:
@@ -38,6 +38,6 @@ def read_camera(path: Path | str) -> KnownCamera:
     return KnownCamera(camera, covariance, known.degrees_of_freedom, known.valid)
 
 
-def read_rig_or_camera(path: Path | str) -> Rig | KnownCamera:
-    """The rig of a whole rig file, the camera of one that holds a camera only."""
-    return read_rig(path) if holds_rig(Path(path)) else read_camera(path)
+def read_rig_or_camera(path: Path | str, *, drift: bool = True) -> Rig | KnownCamera:
+    """The rig of a whole rig file, the camera of one that holds a camera only. `drift` as in `read_rig`."""
+    return read_rig(path, drift=drift) if holds_rig(Path(path)) else read_camera(path, drift=drift)

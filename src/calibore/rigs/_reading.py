@@ -1,5 +1,6 @@
 """rig.toml -> Rig, or what of one it holds."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,16 +11,19 @@ from calibore.errors import InputError
 from calibore.optics import Camera, FlatPort, Lens
 from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 from calibore.rigs._documents import CalibrationTable, CameraTable, Heading, camera_file, laser_keys, rig_file
+from calibore.rigs._drift import widened
 from calibore.rigs._mount import FORWARD, Mount, SideFacing
 from calibore.rigs._rig import Laser, Rig
-from calibore.rigs._stated import stated_inputs
+from calibore.rigs._stated import named_inputs, stated_inputs
 from calibore.rigs._valid import ValidRegion
 from calibore.uncertainty import Covariance
 
 
-def read_rig(path: Path | str) -> Rig:
+def read_rig(path: Path | str, *, drift: bool = True) -> Rig:
     """The rig described by `path` (formats.md, section 3); raises InputError naming file, key, value and what is
     allowed. A rig without stated uncertainty has `covariance` None: see `Rig.with_default_uncertainty`.
+
+    `drift` False: as it was calibrated, without what its parameters may have moved by since.
     """
     path = Path(path)
     heading = read_document(path, Heading)
@@ -34,8 +38,8 @@ def read_rig(path: Path | str) -> Rig:
         known, stripe = known_by(document.calibration), document.uncertainty.stripe
         camera = camera_of(document.camera)
         rig = Rig(document.configuration, camera, lasers, mount=mount, stripe=stripe, valid=known.valid)
-        stated = stated_inputs(document.uncertainty, rig, laser_keys(configuration))
-        return rig.knowing(_joined(stated, known.covariance), known.degrees_of_freedom)
+        covariance = _known_of(document, known, rig, laser_keys(configuration), drift=drift)
+        return rig.knowing(covariance, known.degrees_of_freedom)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -65,11 +69,11 @@ def holds_rig(path: Path) -> bool:
     return read_document(path, Heading).configuration is not None
 
 
-def read_part(path: Path) -> tuple[Camera, Known]:
+def read_part(path: Path, *, drift: bool = True) -> tuple[Camera, Known]:
     """Camera of a whole or partial rig file, and what is known of its parameters, uncertainties stated included."""
     heading = read_document(path, Heading)
     if heading.configuration is not None:
-        rig = read_rig(path)
+        rig = read_rig(path, drift=drift)
         return rig.camera, Known(rig.covariance, rig.degrees_of_freedom, rig.valid)
     if heading.laser is not None:
         raise InputError(f"{path}{_what_is_missing(heading)}")
@@ -80,8 +84,8 @@ def read_part(path: Path) -> tuple[Camera, Known]:
     document: Any = read_document(path, camera_file())
     try:
         known = known_by(document.calibration)
-        stated = stated_inputs(document.uncertainty, None, {})
-        return camera_of(document.camera), known._replace(covariance=_joined(stated, known.covariance))
+        covariance = _known_of(document, known, None, {}, drift=drift)
+        return camera_of(document.camera), known._replace(covariance=covariance)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -112,6 +116,15 @@ def _lasers(tables: tuple[Any, ...], configuration: Configuration) -> tuple[Lase
 
 def _mount(table: Any, configuration: Configuration) -> Mount:
     return SideFacing(table.baseline, table.aim) if configuration.side_facing else FORWARD
+
+
+def _known_of(
+    document: Any, known: Known, rig: Rig | None, keys: Mapping[str, Any], *, drift: bool
+) -> Covariance | None:
+    """What [uncertainty], [calibration] and, if asked for, [drift] say together."""
+    together = _joined(stated_inputs(document.uncertainty, rig, keys), known.covariance)
+    moving = named_inputs(document.drift, rig, keys, table_name="drift")
+    return widened(together, moving) if drift else together
 
 
 def _joined(stated: Covariance | None, calibrated: Covariance | None) -> Covariance | None:

@@ -57,6 +57,8 @@ def _lines(rig: Rig) -> Iterator[str]:
         yield from ("covariance = [", *(f"    {row}," for row in rest.matrix.tolist()), "]")
         if rig.degrees_of_freedom is not None:
             yield f"degrees_of_freedom = {float(rig.degrees_of_freedom)!r}"
+        if not np.isinf(rest.degrees_of_freedom).all():
+            yield f"parameter_degrees_of_freedom = {[float(freedom) for freedom in rest.degrees_of_freedom]}"
     yield from _valid(rig.valid)
 
 

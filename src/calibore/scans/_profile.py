@@ -1,8 +1,8 @@
 """A measured wall in memory: what every instrument's result is, whoever compares it."""
 
+import datetime
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import date as Date
 from functools import cached_property
 from pathlib import Path
 
@@ -38,7 +38,7 @@ class Profile:
     name: str = ""
     nominal_radius: float = float("nan")
     sampled: bool = False
-    date: Date | None = None
+    date: datetime.date | None = None
 
     def __post_init__(self) -> None:
         shape = (self.axial.size, self.clock.size)
@@ -129,6 +129,6 @@ def read_profile(out: Path | str) -> Profile:
         name=str(said.get("title", "")),
         nominal_radius=float(said.get("nominal_radius", np.nan)),
         sampled=said.get("scan_kind", "forward-looking") != "forward-looking",
-        date=None if day is None else Date.fromisoformat(str(day)),
+        date=None if day is None else datetime.date.fromisoformat(str(day)),
     )
     return whole.rings(rows[np.argsort(columns["axial"][rows], kind="stable")])

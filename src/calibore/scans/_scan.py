@@ -1,7 +1,7 @@
 """What a scan folder says, as values: `ScanSpec` and the motions of carriage and head."""
 
+import datetime
 from dataclasses import dataclass
-from datetime import date as Date
 from pathlib import Path
 from typing import Literal
 
@@ -52,8 +52,8 @@ class ScanSpec:
 
     `motion` is an `AxialMotion` or the path of a table. `search_inner` and `search_outer` are fractions of the nominal
     radius between which the wall is looked for; `axial_step` [m]: spacing of the rows of a side-facing scan's profile,
-    None to choose; `date` of the survey, where known. `identity` stays when settings are corrected or the folder is moved:
-    it hashes the folder's own name, the scan's name and where its data come from.
+    None to choose; `date` of the survey. `identity` stays when settings are corrected or the folder is moved: it hashes
+    the folder's own name, the scan's name and where its data come from.
     """
 
     folder: Path
@@ -71,7 +71,7 @@ class ScanSpec:
     search_inner: float = 0.5
     search_outer: float = 1.5
     axial_step: float | None = None
-    date: Date | None = None
+    date: datetime.date | None = None
 
     @property
     def kind(self) -> Literal["forward-looking", "side-facing", "tactile"]:

@@ -1,10 +1,10 @@
 """scan.toml read, checked, and turned into a `ScanSpec` (contract, section 2)."""
 
+import datetime
 import hashlib
 import json
 import string
 from collections.abc import Callable
-from datetime import date as Date
 from pathlib import Path
 from typing import Annotated
 
@@ -55,10 +55,10 @@ def _day(value: object) -> object:
     """2024-05-31, as TOML has it or as text; no time of day."""
     if isinstance(value, str):
         try:
-            return Date.fromisoformat(value)
+            return datetime.date.fromisoformat(value)
         except ValueError as error:
             raise ValueError(f'"{value}" is no date; write e.g. 2024-05-31') from error
-    if value is not None and type(value) is not Date:
+    if value is not None and type(value) is not datetime.date:
         raise ValueError(f"{value} is no date; write e.g. 2024-05-31")
     return value
 
@@ -113,7 +113,7 @@ class _Grid(Document):
 class _Scan(Document):
     format: Annotated[str, AfterValidator(_this_format)]
     name: Annotated[str, Field(min_length=1)]
-    date: Annotated[Date | None, BeforeValidator(_day)] = None
+    date: Annotated[datetime.date | None, BeforeValidator(_day)] = None
     rig: str | None = None
     pipe: _Pipe
     images: _Images | None = None

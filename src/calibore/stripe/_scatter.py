@@ -45,12 +45,17 @@ def observe_scatter(position: Array, u: Array, *, width: float, spacing: float, 
     total = float(np.nanmedian(ratio[far - 1 :])) / SECOND_DIFFERENCE if np.isfinite(ratio[far - 1]) else 0.0
     if total == 0:  # too few peaks, or places in whole samples: no evidence against the model
         return Scatter(1.0, np.zeros(0))
+    return Scatter(float(np.sqrt(total)), correlation_of(ratio, total, far=far))
+
+
+def correlation_of(ratio: Array, total: float, *, far: int) -> Array:
+    """(far - 1,) of neighbouring peaks at lags 1 ..., from the mean squares `ratio` of second differences at those."""
     correlation = np.zeros(2 * far + 1)
     for lag in range(far - 1, 0, -1):
         # var(p_i - (p_i-k + p_i+k) / 2) = (1.5 - 2 rho_k + rho_2k / 2) sigma^2
         seen = ratio[lag - 1] / total if np.isfinite(ratio[lag - 1]) else SECOND_DIFFERENCE
         correlation[lag] = min(max((SECOND_DIFFERENCE + 0.5 * correlation[2 * lag] - seen) / 2, 0.0), HIGHEST)
-    return Scatter(float(np.sqrt(total)), correlation[1:far])
+    return correlation[1:far]
 
 
 def scatter_ratio(position: Array, u: Array, lag: int, *, closed: bool) -> float:

@@ -20,7 +20,7 @@ from calibore.uncertainty import Covariance, Quantity
 
 AnyNumber = Annotated[float, Field(allow_inf_nan=True)]
 """What was not computed is NaN."""
-TABLES = ("format", "configuration", "camera", "laser", "uncertainty", "calibration")
+TABLES = ("format", "configuration", "camera", "laser", "uncertainty", "calibration", "drift")
 """Of a rig file; others are settings."""
 CHANGED, ROUNDING = 1e-6, 1e-12
 """Of its u and of the value itself: a difference of rounding is no change by hand."""
@@ -138,9 +138,9 @@ def calibration_of(path: Path, file: CalibrationFile, observations: Observations
 
 def _parts(path: Path, file: CalibrationFile) -> tuple[Rig | None, Camera | None]:
     if file.laser is not None:
-        rig = read_rig(path)
+        rig = read_rig(path, drift=False)
         return rig, rig.camera
-    return None, read_camera(path).camera if file.camera is not None else None
+    return None, read_camera(path, drift=False).camera if file.camera is not None else None
 
 
 def _check_unchanged(path: Path, part: Rig | Camera | None, known: Iterable[tuple[str, float, float]]) -> None:

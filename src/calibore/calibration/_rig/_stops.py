@@ -150,8 +150,8 @@ def _shared_by_neighbours(partial: Array) -> float:
 
 
 def _studentised(t: float, freedom: float) -> float:
-    """`t` of a scatter that holds the suspect itself, as if it had been found without it. `freedom` is an estimate: that
-    nothing at all is left for the others to scatter by is never certain.
+    """`t` of a scatter that holds the suspect itself, as if it had been found without it. `freedom` is an estimate:
+    that nothing at all is left for the others to scatter by is never certain.
     """
     if not np.isfinite(freedom):
         return t
