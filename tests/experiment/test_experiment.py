@@ -62,7 +62,7 @@ def test_a_change_that_nobody_states_breaks_the_intervals_and_a_stated_one_does_
 @pytest.mark.slow
 def test_registration_finds_how_the_rig_stood_and_what_it_had_changed_by(found):
     plane = found.of_kind("plane")[0]
-    wanted, moved = TABLE_8_2["plane-12in"], plane.conditioning
+    wanted, moved = TABLE_8_2["plane-12in"], plane.registration
     assert abs(np.degrees(moved.motion.roll) - wanted.roll) < 4 * np.degrees(moved.u("roll"))
     assert abs(moved.motion.shift_x / INCH - wanted.shift_x) < 0.003
     assert abs(-moved.motion.shift_y / INCH - wanted.shift_y) < 0.003

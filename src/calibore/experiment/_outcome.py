@@ -79,9 +79,9 @@ class Judgement:
 class LaserOutcome:
     """Of the instrument `name`: errors by rig file (EXACT, FRESH, DRIFTED, UNSTATED) against the truth and against the
     tactile profile; with the exact one against the truth `on_plain_wall`, away from edges; the fraction of visible
-    points `missed`; its `profile` by the exact rig file and how that was brought onto the tactile one; `conditioning`:
-    how the profile by the rig file that is out of date was, and the `scale` that suits it, whose uncertainty counts how
-    well the day's calibration knows the size; None where no rig file is.
+    points `missed`; its `profile` by the exact rig file; how the one by the day's calibration was brought onto the
+    tactile one, `registration`; the `scale` that suits the one whose rig file is out of date (None where there is
+    none), its uncertainty counting how well the day's calibration knows the size.
     """
 
     name: str
@@ -91,7 +91,6 @@ class LaserOutcome:
     missed: float
     profile: Profile
     registration: Registration
-    conditioning: Registration | None
     scale: Quantity | None
 
     @property
@@ -109,9 +108,7 @@ def read_laser(instrument: Instrument, workshop: Workshop, touched: Profile) -> 
     for variant, profile in profiles.items():
         by_touch[variant], registrations[variant] = _against_touch(profile, touched, start)
         start = registrations[variant].motion
-    conditioning = scale = None
-    if UNSTATED in profiles:
-        conditioning, scale = _scaled(profiles[UNSTATED], touched, start)
+    scale = _scale(profiles[UNSTATED], touched, start) if UNSTATED in profiles else None
     truths = [workshop.scan(instrument.name, number) / "truth.npz" for number in range(len(sections[EXACT]))]
     return LaserOutcome(
         instrument.name,
@@ -120,19 +117,18 @@ def read_laser(instrument: Instrument, workshop: Workshop, touched: Profile) -> 
         _against_truth(sections[EXACT], truths, plain=instrument.kind),
         _missed(sections[EXACT], truths),
         profiles[EXACT],
-        registrations[EXACT],
-        conditioning,
+        registrations[FRESH],
         scale,
     )
 
 
-def _scaled(profile: Profile, touched: Profile, start: Motion | None) -> tuple[Registration, Quantity]:
+def _scale(profile: Profile, touched: Profile, start: Motion | None) -> Quantity:
     """As chapter 8 does it: moved and scaled until it fits, whatever the calibration knows."""
     bare = replace(profile, common_mode=profile.common_mode[:0])
     found = register(bare, touched, free=(*RIGID, "scale"), start=start, search=False)
     known = np.nanmedian(profile.common_mode / profile.radius, axis=(1, 2))
     u = float(np.hypot(found.u("scale"), np.linalg.norm(known)))
-    return found, Quantity(found.motion.scale, u)
+    return Quantity(found.motion.scale, u)
 
 
 def _sections(instrument: Instrument, workshop: Workshop) -> dict[str, list[Profile]]:

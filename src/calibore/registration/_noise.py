@@ -34,12 +34,16 @@ def _shared(one: Array, other: Array, used: Array, also: Array) -> float:
     return float(np.sum(one * other) / max(np.sum(used * also), 1.0))
 
 
-def scores_covariance(rows: Array, cloud: Cloud, correlation: Array) -> Array:
+def scores_covariance(rows: Array, cloud: Cloud, correlation: Array, missed: Array) -> Array:
     """(s, s) covariance of the sum of scores: `rows` (p, s) times residuals of unit variance, correlated with the k-th
-    neighbour along the clock by `correlation` (k,).
+    neighbour along the clock by `correlation` (k,). Of each, `missed` (p,) is what edges hide: an edge that runs along
+    the pipe, as a rail's, lies in the same place between clock positions on all rings, and hides the same on all.
     """
     total = rows.T @ rows
     grid = _grid(rows, cloud)
+    hidden = _grid(rows * missed[:, None], cloud)
+    along = hidden.sum(axis=0)
+    total = total + along.T @ along - np.tensordot(hidden, hidden, axes=([0, 1], [0, 1]))
     for k, shared in enumerate(correlation.tolist(), start=1):
         part = np.tensordot(grid, np.roll(grid, -k, 1), axes=([0, 1], [0, 1]))
         total = total + shared * (part + part.T)

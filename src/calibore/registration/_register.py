@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import InputError
-from calibore.registration._gaps import Cloud, Gaps
+from calibore.registration._astray import Walk
+from calibore.registration._gaps import Cloud, Gaps, residual_of
 from calibore.registration._motion import Motion
 from calibore.registration._solve import Freedom, Solution, solved, told
 from calibore.registration._start import starts
@@ -87,7 +88,7 @@ def register(
 
     `free` parameters of the motion (none: it is known), others stay as in `start`; `per_ring`: each ring may in
     addition turn and shift, smoothly from ring to ring; `search` False: the start is near already. Raises InputError
-    where the two cannot be brought together: no overlap, no common shape.
+    where the two cannot be brought together: no overlap, no common shape (AstrayError).
     """
     _check(free)
     about = (start or Motion()).about(float(np.nanmedian(moving.axial_position)))
@@ -106,7 +107,22 @@ def register(
     held = {name: getattr(about, name) for name in freedom.names if name not in left.names}
     candidates = [replace(one, **held) for one in candidates[: 1 if held else None]]
     best = _best(cloud, surface, candidates, left, about)
-    return _registration(best, cloud, left, freedom)
+    found = _registration(best, cloud, left, freedom)
+    _walk(found, cloud, surface, about, freedom).check()
+    return found
+
+
+def _walk(found: Registration, cloud: Cloud, surface: Surface, about: Motion, freedom: Freedom) -> Walk:
+    told = [name for name in freedom.names if name not in found.untold]
+    there = residual_of(cloud, surface, about)[0]
+    return Walk(
+        {name: getattr(found.motion, name) - getattr(about, name) for name in told},
+        dict(zip(freedom.names, freedom.prior.tolist(), strict=True)),
+        {name: found.u(name) for name in told},
+        int(np.count_nonzero(np.isfinite(there))),
+        int(np.count_nonzero(np.isfinite(found.gaps.residual))),
+        found.scatter,
+    )
 
 
 def _check(free: Sequence[str]) -> None:

@@ -11,6 +11,8 @@ Array = NDArray[np.float64]
 
 AGREEING = 5.0
 """Standard deviations within which a difference agrees with a slope."""
+BENT = 0.5
+"""Of a rise: by so much, twice, the point between may be aside of a pair that has an edge between them."""
 NOISY = 2.0
 """Standard deviations of noise up to which a bend is none."""
 
@@ -20,14 +22,20 @@ def clock_bends(profile: Profile) -> Array:
     return bend(profile.radius, profile.u_independent, axis=1)
 
 
-def slopes(pairs: Iterable[tuple[Array, Array | float, Array]]) -> Array:
-    """(2, n, m) the slope through pairs of differences of radius, over which distances, with which variance, nearest
-    pair first, and its variance. As many pairs count as one straight line suits: beside an edge only the nearest.
+def slopes(pairs: Iterable[tuple[Array, Array | float, Array, Array]]) -> Array:
+    """(2, n, m) the slope through pairs of differences of radius, over which distances, with which variance, and how
+    far their mean is from the point between, twice; nearest pair first; and the slope's variance. As many pairs count
+    as one straight line suits: beside an edge only the nearest. Where that is not known, beside a gap, the next must
+    have the point between them on their line: else an edge lies in the gap, and there is no slope, 0.
     """
     total, squares, noise, slope = np.zeros(()), np.zeros(()), np.zeros(()), np.zeros((2, 1, 1))
     seen: list[tuple[Array, Array | float, Array]] = []
-    for rise, apart, variance in pairs:
+    for number, (rise, apart, variance, aside) in enumerate(pairs):
         known = np.isfinite(rise) & np.isfinite(apart)
+        if number:
+            edge = np.abs(aside) > np.maximum(BENT * np.abs(rise), AGREEING * np.sqrt(3 * variance))
+            known &= (squares > 0) | ~edge
+            rise = np.where(known, rise, np.nan)
         total = total + np.where(known, apart * rise, 0.0)
         squares = squares + np.where(known, np.square(apart), 0.0)
         noise = noise + np.where(known, np.square(apart) * variance, 0.0)

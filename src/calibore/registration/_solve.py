@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.errors import InputError
+from calibore.registration._astray import AstrayError
 from calibore.registration._gaps import Cloud, Gaps, gaps
 from calibore.registration._motion import Motion
 from calibore.registration._noise import design_effect, scores_covariance
@@ -74,7 +74,7 @@ class Solution:
 
 
 def solved(cloud: Cloud, surface: Surface, start: Motion, freedom: Freedom, *, about: Motion) -> Solution:
-    """From a `start` near enough; priors are centred on `about`. Raises InputError where too few points count."""
+    """From a `start` near enough; priors are centred on `about`. Raises AstrayError where too few points count."""
     rings = int(cloud.ring.max()) + 1
     layout = _Layout(freedom, rings, len(cloud.modes) + len(surface.profile.common_mode))
     motion, state = start, np.zeros(layout.size)
@@ -108,7 +108,8 @@ def _solution(cloud: Cloud, surface: Surface, layout: "_Layout", motion: Motion,
     relative = _left(found, state) / (scatter * np.sqrt(found.total))
     correlation, effect = design_effect(relative, weights, cloud)
     root = weights / np.sqrt(found.total) / scatter  # squares of the scores, as Tukey's weights make them
-    scores = scores_covariance(np.where(weights[:, None] > 0, table * root[:, None], 0.0), cloud, correlation)
+    missed = np.nan_to_num(found.missed / np.sqrt(found.total))
+    scores = scores_covariance(np.where(weights[:, None] > 0, table * root[:, None], 0.0), cloud, correlation, missed)
     inverse = np.linalg.inv(known)
     covariance = inverse @ (scores * effect + layout.prior) @ inverse
     worth = float(weights.sum() / (effect * (1 + 2 * correlation.sum())))
@@ -127,9 +128,8 @@ def _left(found: Gaps, state: Array) -> Array:
 def _weights(found: Gaps, state: Array, table: Array, layout: "_Layout") -> tuple[Array, float]:
     usable = np.isfinite(found.residual) & np.isfinite(table).all(axis=1)
     if np.count_nonzero(usable) < max(FEWEST, 2 * len(layout.freedom.names)):
-        raise InputError(
-            f"Only {np.count_nonzero(usable)} of {usable.size} points of the moving profile lie on the reference; "
-            "check that both cover the same stretch of pipe, and the origins of their motion tables."
+        raise AstrayError(
+            f"only {np.count_nonzero(usable)} of {usable.size} points of the moving profile lie on the reference"
         )
     relative = _left(found, state) / np.sqrt(found.total)
     scatter = scale_of(relative[usable])

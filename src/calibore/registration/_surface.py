@@ -91,11 +91,13 @@ class Surface:
     def clock_slopes(self) -> Array:
         """(2, n, m) [m/rad] by differences over the positions around, and the variance of their noise."""
         radius, u2 = self.profile.radius, self.profile.u_independent**2
-        pairs = [
-            (np.roll(radius, -k, 1) - np.roll(radius, k, 1), 2 * k * self.step, np.roll(u2, -k, 1) + np.roll(u2, k, 1))
-            for k in REACHES
-        ]
-        return slopes(pairs)
+
+        def pair(k: int) -> tuple[Array, float, Array, Array]:
+            before, after = np.roll(radius, k, 1), np.roll(radius, -k, 1)
+            variance = np.roll(u2, -k, 1) + np.roll(u2, k, 1)
+            return after - before, 2 * k * self.step, variance, before + after - 2 * radius
+
+        return slopes(map(pair, REACHES))
 
     @cached_property
     def axial_slopes(self) -> Array:
@@ -110,7 +112,8 @@ class Surface:
             low, high = np.maximum(rows - k, 0), np.minimum(rows + k, count - 1)
             even = (k == 1) | ((high - low) == 2 * k)
             apart = np.where(even[:, None], z[high] - z[low], np.nan)
-            pairs.append((radius[high] - radius[low], apart, u2[high] + u2[low]))
+            aside = radius[high] + radius[low] - 2 * radius
+            pairs.append((radius[high] - radius[low], apart, u2[high] + u2[low], aside))
         return slopes(pairs) if count > 1 else np.zeros((2, *radius.shape))
 
     @property

@@ -48,12 +48,13 @@ def write_experiment(found: Outcome, out: Path | str) -> dict[str, Any]:
 
 
 def _laser(laser: Any) -> dict[str, Any]:
-    motion = laser.conditioning or laser.registration
+    motion = laser.registration
     return {
         "against_truth": {name: _judgement(one) for name, one in laser.by_truth.items()},
         "against_tactile": {name: _judgement(one) for name, one in laser.by_touch.items()},
         "on_plain_wall": _judgement(laser.on_plain_wall),
         "missed": laser.missed,
+        "scale": None if laser.scale is None else [laser.scale.value, laser.scale.u],
         "motion": {name: [getattr(motion.motion, name), motion.u(name)] for name in motion.names},
     }
 
