@@ -64,8 +64,6 @@ DESIGNED, EXTRINSIC, INTRINSIC = Head(2.4, 20.5, 0.018), Head(2.355, 19.9, 0.017
 """Tables 7.1 and 8.1."""
 HEAD_CHANGE = Head(0.15, -0.68, 2.58)
 """per cent, Table 8.1: from the calibration on the bench to the one in the pipe; the parameters above are rounded."""
-RANGE_RMSE = 0.0102
-"""in, Table 7.1."""
 
 
 class Conditioning(NamedTuple):
@@ -101,7 +99,6 @@ TABLE_8_3 = {
     "side-2.4in": Judged(0.019, 0.0327),
 }
 """And section 8.4.3 for the side-facing head."""
-SIDE_RMSE = 0.0185
 OUTLIER = 0.15 * INCH
 """m; errors beyond do not count (8.4.1)."""
 PROBE = (5.2405, 4.5706)

@@ -186,6 +186,6 @@ def _bands(radius: Floats, value: Floats, u: Floats) -> tuple[Floats, Floats, Fl
     for number in range(BANDS):
         some = band == number
         if np.count_nonzero(some) >= FEWEST:
-            half[number] = FACTOR * np.sqrt(np.mean(u[some] ** 2))
+            half[number] = FACTOR * np.median(u[some])
             reach[number] = np.quantile(np.abs(value[some]), 0.95)
     return edges, half, reach
