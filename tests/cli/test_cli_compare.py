@@ -12,7 +12,7 @@ import pytest
 sys.path.append(str(Path(__file__).parents[1] / "comparison"))
 sys.path.append(str(Path(__file__).parents[1] / "system"))
 from command_line import calibore
-from compared_walls import pair, scaled, write_result
+from compared_walls import misread, pair, scaled, write_result
 
 from calibore.cli._compare_options import alignment_of, outlier_rule_of, years_between
 from calibore.comparison import mirrored
@@ -33,6 +33,7 @@ def results(tmp_path_factory):
     write_result(folder / "touched", pair()[1], tactile=True)
     write_result(folder / "measured", pair()[0])
     write_result(folder / "inches", scaled(before, 25.4))
+    write_result(folder / "odometer", misread(before, 25.4))
     write_result(folder / "turned", mirrored(after))
     return folder
 
@@ -124,6 +125,7 @@ def test_the_same_folder_twice_differs_by_nothing(compare, tmp_path):
     ("one", "other", "why"),
     [
         ("inches", "before", "factor of 25.4"),
+        ("odometer", "before", "along the pipe differ by a factor of 25.4"),
         ("turned", "before", "against the clock"),
         (".", "before", "neither a result folder"),
         ("nothing", "before", "does not exist"),

@@ -45,6 +45,16 @@ def scaled(profile, factor):
     return replace(profile, **grown)
 
 
+def misread(profile, factor, *, ahead=0.0):
+    """The profile of an odometer whose positions are `factor` times too long, of a rig that looks `ahead` [m]."""
+    stations = profile.axial - ahead
+    return replace(
+        profile,
+        axial=factor * stations,
+        axial_position=profile.axial_position + (factor * stations - profile.axial)[:, None] + ahead,
+    )
+
+
 def write_result(folder, profile, *, tactile=False):
     """A result folder with this profile, as far as comparing reads it."""
     ring = ("station", "clock")

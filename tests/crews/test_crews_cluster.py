@@ -12,6 +12,7 @@ pytest.importorskip("distributed", reason="Dask is not installed: the cluster ca
 from dask_cluster import dask_cluster
 
 from calibore.crews import Cluster, in_order
+from calibore.crews._cluster import AHEAD, LARGEST
 from calibore.errors import InputError
 from calibore.profiling import profile_scan
 from calibore.simulation import read_survey, simulate_scan
@@ -77,6 +78,34 @@ def test_results_come_in_order_and_errors_come_home(cluster):
 
         with pytest.raises(InputError, match=r"^Number 3 is refused\.$"):
             list(in_order([3, 4], refuse, workers=crew))
+
+
+def test_a_failure_costs_no_result_before_it(cluster):
+    def refuse(number):
+        if number == 37:
+            raise InputError("Number 37 is refused.")
+        return number
+
+    came = []
+    with Cluster(cluster[0]) as crew, pytest.raises(InputError, match=r"^Number 37 is refused\.$"):
+        came.extend(crew.in_order(iter(range(60)), refuse))
+    assert came == list(range(37))
+
+
+def test_items_are_drawn_only_as_far_ahead_as_the_workers_need_them(cluster):
+    drawn, most = 0, 0
+
+    def items():
+        nonlocal drawn
+        while drawn < 400:
+            drawn += 1
+            yield drawn
+
+    with Cluster(cluster[0]) as crew:
+        for taken in crew.in_order(items(), abs):
+            most = max(most, drawn - taken)
+        assert (drawn, taken) == (400, 400)
+        assert LARGEST < most <= (AHEAD * crew.hands + 1) * LARGEST
 
 
 def test_no_scheduler_is_one_sentence(monkeypatch):

@@ -1,6 +1,7 @@
 """Folders of images: which file is which station, and what is said where that fails."""
 
 import os
+import pickle
 import struct
 from pathlib import Path
 
@@ -54,6 +55,15 @@ def test_every_station_hands_out_its_own_pixels(tmp_path: Path) -> None:
         for take in images.takes:
             assert (images.read(take) == 10 * images.station + take).all()
             assert np.array_equal(folder.read(images.station, take), images.read(take))
+
+
+def test_what_another_machine_is_sent_of_a_station_does_not_grow_with_the_scan(tmp_path: Path) -> None:
+    for number in range(300):
+        write(tmp_path / f"{number:03d}.png")
+        if number == 0:
+            alone = next(ImageFolder(tmp_path, "{station:03d}.png").stations())
+    among = next(ImageFolder(tmp_path, "{station:03d}.png").stations())
+    assert len(pickle.dumps(among)) == len(pickle.dumps(alone))
 
 
 def test_without_a_take_in_the_pattern_the_take_is_zero(tmp_path: Path) -> None:

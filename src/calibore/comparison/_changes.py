@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.comparison._chance import threshold
+from calibore.comparison._chance import thresholds
 from calibore.comparison._difference import Difference
 from calibore.comparison._region import Region, region_of
 from calibore.comparison._smoothing import Smoother, windows_of
@@ -21,7 +21,8 @@ DETECTED = 1.64
 @dataclass(frozen=True, eq=False)
 class Changes:
     """`significance` (n, m): the greatest mean over any window around a point, in its standard uncertainties, signed;
-    `threshold` that an unchanged pipe exceeds anywhere with the probability `false_alarm`; `regions`, largest first.
+    means over windows that are fewer count as much more as chance makes them smaller. `threshold` that an unchanged
+    pipe exceeds anywhere with the probability `false_alarm`; `regions`, largest first.
 
     `level_of_detection` (n, m) [m]: the least change of the best window around a point that is found with 95 %
     probability.
@@ -40,14 +41,16 @@ def changes(difference: Difference, *, false_alarm: float = FALSE_ALARM, seed: i
     if not 0 < false_alarm < 1:
         raise InputError(f"A probability of false alarm lies between 0 and 1, got {false_alarm:g}.")
     smoother, windows = Smoother.of(difference), windows_of(difference)
-    limit = threshold(smoother, windows, false_alarm=false_alarm, rng=np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    limits = thresholds(difference, smoother, windows, false_alarm=false_alarm, rng=rng)
+    limit = max(limits.values())
     strongest = np.zeros(difference.value.shape)
     detectable = np.full(difference.value.shape, np.inf)
-    for window in windows:
+    for window, own in limits.items():
         u = smoother.u(window)
-        relative = np.nan_to_num(smoother.mean(difference.adjusted, window) / u)
+        relative = np.nan_to_num(smoother.mean(difference.adjusted, window) / u) * limit / own
         strongest = np.where(np.abs(relative) > np.abs(strongest), relative, strongest)
-        detectable = np.fmin(detectable, (limit + DETECTED) * u)
+        detectable = np.fmin(detectable, (own + DETECTED) * u)
     known = np.isfinite(difference.adjusted)
     # a gap within a region does not part it, but is no part of it
     masks = [cells & known for cells in _connected(strongest, limit)]

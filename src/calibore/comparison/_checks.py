@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore.comparison._axial_units import thinned, wrong_axial_units
 from calibore.comparison._difference import Difference
 from calibore.errors import InputError
-from calibore.registration import Cloud, Motion, Surface, gaps, register
+from calibore.registration import AstrayError, Cloud, Motion, Surface, gaps, register
 from calibore.scans import Profile
 
 Array = NDArray[np.float64]
@@ -35,8 +36,9 @@ MANY = 0.25
 """Of the points beyond: then it is asked whether something is wrong with the pair."""
 MIRROR = 3.0
 """Times better a mirrored profile must fit to be called mirrored."""
-MIRROR_RINGS = 8
-"""Rings enough to tell."""
+ODD, TELLING = 0.03, 3
+"""Share of points beyond, and rings with a counterpart: with more, or fewer of them, it is asked whether positions
+along the pipe are right."""
 ALIKE, WHOLE = 0.65, (0.8, 1.25)
 """Correlation of the shapes of two walls below which they may be different pipes; they are not where all of one wall's
 shape, within these limits, is found in the other: then one of them has changed."""
@@ -78,6 +80,8 @@ def why_not_registered(
     moving: Profile, reference: Profile, names: Names, *, common: int, error: InputError
 ) -> InputError:
     """A better sentence than `error` for two that have `common` points before registration."""
+    if wrong := wrong_axial_units(moving, reference, names):
+        return wrong
     spans = [(float(np.nanmin(p.axial_position)), float(np.nanmax(p.axial_position))) for p in (moving, reference)]
     low, high = max(spans[0][0], spans[1][0]), min(spans[0][1], spans[1][1])
     said = [
@@ -93,13 +97,13 @@ def why_not_registered(
             f"Where the two overlap along the pipe, {1e3 * low:.4g} to {1e3 * high:.4g} mm, hardly a point has a value "
             f"in both; {said[0]}, {said[1]}. Check why the points are missing there (status in profile.zarr)."
         )
-    if "points" not in str(error):
+    if not isinstance(error, AstrayError):
         return error
     try:
         _check_clock(moving, reference, names)
     except InputError as mirror:
         return mirror
-    return _different(names, "no motion brings them together")
+    return _different(names, error.found)
 
 
 def _different(names: Names, found: str) -> InputError:
@@ -119,11 +123,12 @@ def check_outcome(
     noise = np.hypot(difference.u_independent, difference.missed)
     known = np.isfinite(value) & np.isfinite(noise)
     count = np.count_nonzero(known)
+    beyond = float(np.mean(np.abs(value[known]) > BEYOND * noise[known])) if count else 1.0
+    _check_axial(moving, reference, names, known=known, beyond=beyond)
     if count < KEPT * common:
         _check_clock(moving, reference, names)
         found = f"they fit best where {count} points have a counterpart, of {common} before"
         raise _different(names, found)
-    beyond = float(np.mean(np.abs(value[known]) > BEYOND * noise[known]))
     if beyond < MANY:
         return ()
     left = _size(value[known])
@@ -140,6 +145,16 @@ def check_outcome(
     )
 
 
+def _check_axial(moving: Profile, reference: Profile, names: Names, *, known: NDArray[np.bool_], beyond: float) -> None:
+    """Raises InputError where positions along the pipe are in wrong units; few rings may fit anywhere."""
+    few = np.count_nonzero(known.any(axis=1)) < TELLING
+    if not few and beyond < ODD:
+        return
+    wrong = wrong_axial_units(moving, reference, names, beyond=1.0 if few else beyond)
+    if wrong:
+        raise wrong
+
+
 def mirrored(profile: Profile) -> Profile:
     """The profile as an instrument sees it whose clock runs the other way round."""
     turned = np.mod(-profile.clock, 2 * np.pi)
@@ -152,7 +167,7 @@ def _check_clock(moving: Profile, reference: Profile, names: Names) -> float:
     """Raises InputError where the mirrored profile fits far better, both searched for; what is left of the direct
     one [m], inf where it does not fit at all.
     """
-    few = _thinned(moving)
+    few = thinned(moving)
     (direct, _), (turned, noise) = (_left_after(one, reference) for one in (few, mirrored(few)))
     if direct > MIRROR * turned and (np.isfinite(direct) or turned < FITS * noise):
         times = f"{direct / turned:.0f} times better" if np.isfinite(direct) else "and otherwise not at all"
@@ -173,11 +188,6 @@ def _left_after(moving: Profile, reference: Profile) -> tuple[float, float]:
     if np.count_nonzero(used) < KEPT * used.size:
         return np.inf, 0.0
     return _size(found.residual[used]), float(np.median(np.sqrt(found.total[used])))
-
-
-def _thinned(profile: Profile) -> Profile:
-    rows = np.unique(np.linspace(0, profile.axial.size - 1, min(profile.axial.size, MIRROR_RINGS)).round().astype(int))
-    return profile.rings(rows)
 
 
 def _size(values: Array) -> float:

@@ -85,11 +85,19 @@ def difference_of(registration: Registration, shape: tuple[int, int]) -> Differe
         radius=grid(gaps.radius),
         value=grid(-gaps.residual),
         u_independent=grid(np.sqrt(gaps.variance)),
-        missed=grid(gaps.missed + gone),
+        missed=_on_flanks(grid(gaps.missed + gone)),
         modes=grid((table @ before).T + gone),
         adjusted=grid(-gaps.residual - explained),
         adjusted_modes=grid((table @ after).T + gone),
     )
+
+
+def _on_flanks(missed: Array) -> Array:
+    """(n, m) no less than on both sides: on the flank of a feature a bend turns into its opposite, and is none just
+    where the flank is steepest.
+    """
+    whole = np.nan_to_num(missed)
+    return np.maximum(missed, np.minimum(np.roll(whole, 1, axis=1), np.roll(whole, -1, axis=1)))
 
 
 def _common(registration: Registration) -> tuple[Array, Array, Array]:

@@ -52,9 +52,11 @@ class ImageFolder:
     def stations(self) -> Iterator[StationImages]:
         """One entry per station (and angular stop), sorted."""
         for (station, angular), keys in groupby(self.paths, key=lambda key: key[:2]):
-            found = {key[2]: self.paths[key].relative_to(self.folder).as_posix() for key in keys}
-            read = partial(self.read, station, angular=angular)
-            yield StationImages(station, tuple(found), read, angular=angular, names=tuple(found.values()))
+            paths = {key[2]: self.paths[key] for key in keys}
+            names = tuple(path.relative_to(self.folder).as_posix() for path in paths.values())
+            # other machines are sent the files of this station, not of all
+            read = partial(_read_one, paths, limit=self.limit)
+            yield StationImages(station, tuple(paths), read, angular=angular, names=names)
 
     def read(self, station: int, take: int = 0, *, angular: int = 0) -> Pixels:
         """The pixels of one image; raises ImageError naming the file and why."""
@@ -63,6 +65,10 @@ class ImageFolder:
         except KeyError:
             raise ImageError(f'There is no image of station {station}, take {take} in "{self.folder}".') from None
         return read_image(path, limit=self.limit)
+
+
+def _read_one(paths: dict[int, Path], take: int, *, limit: int) -> Pixels:
+    return read_image(paths[take], limit=limit)
 
 
 def _matches(folder: Path, pattern: NamePattern) -> Iterator[tuple[Path, dict[str, int]]]:

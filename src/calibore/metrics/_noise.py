@@ -10,14 +10,30 @@ Array = NDArray[np.float64]
 
 SEED = 1216
 PAIRS = 64
+LEAST_SPECTRUM = 0.02
+"""Of white noise: what is left at the frequency where neighbours cancel most."""
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Standard uncertainty (n,) of all clock positions and autocorrelation (k,) at lags 1..k clock steps."""
+    """Standard uncertainty (n,) of all clock positions and autocorrelation (k,) at lags 1..k clock steps.
+
+    Correlations that were estimated lag by lag, and cut off, may be those of no noise at all (a negative spectrum):
+    they are shrunk until there is one that has them.
+    """
 
     sigma: Array
     correlation: Array
+
+    def __post_init__(self) -> None:
+        table = np.zeros(self.sigma.size)
+        table[0], lags = 1.0, self.correlation[: (table.size - 1) // 2]
+        table[1 : lags.size + 1] = lags
+        table[table.size - lags.size :] = lags[::-1]
+        least = float(np.fft.rfft(table).real.min())
+        if least < LEAST_SPECTRUM:
+            shrunk = self.correlation * (1 - LEAST_SPECTRUM) / (1 - least)
+            object.__setattr__(self, "correlation", shrunk)
 
     def covariance_of(self, functionals: Array) -> Array:
         """Covariance (p, p) of the linear functionals (n, p) of the radii."""

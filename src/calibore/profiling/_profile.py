@@ -4,6 +4,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -113,12 +114,7 @@ def measure_scan(
     Threads find lines, which they do side by side; the rest would wait for Python's lock. Other machines do all of it.
     """
     reading = _Reading(source, place, tally)
-    remote = isinstance(workers, Cluster)
-
-    def work(item: tuple[StationImages, Placement]) -> StationLines | StationResult | StationRefusedError:
-        lines = find_lines(item[0], job)
-        return _evaluated(lines, item[1], job) if remote else lines
-
+    work = partial(_measured if isinstance(workers, Cluster) else _found, job)
     placements: deque[Placement] = deque()
     for found in in_order(_noting(reading, placements), work, workers=workers):
         placement = placements.popleft()
@@ -135,6 +131,14 @@ def _noting(reading: "_Reading", placements: deque[Placement]) -> Iterator[tuple
     for images, placement in reading:
         placements.append(placement)
         yield images, placement
+
+
+def _found(job: Job, item: tuple[StationImages, Placement]) -> StationLines:
+    return find_lines(item[0], job)
+
+
+def _measured(job: Job, item: tuple[StationImages, Placement]) -> StationResult | StationRefusedError:
+    return _evaluated(find_lines(item[0], job), item[1], job)
 
 
 def _evaluated(lines: StationLines, placement: Placement, job: Job) -> StationResult | StationRefusedError:

@@ -9,6 +9,8 @@ Array = NDArray[np.float64]
 
 LAGS = 24
 """Clock positions up to which residuals are compared; weighted down towards the end (Parzen)."""
+ALIKE = 31
+"""Clock positions over which what is missed between rings is alike."""
 RINGS = 3
 """Rings up to which they are."""
 
@@ -36,14 +38,14 @@ def _shared(one: Array, other: Array, used: Array, also: Array) -> float:
 
 def scores_covariance(rows: Array, cloud: Cloud, correlation: Array, missed: Array) -> Array:
     """(s, s) covariance of the sum of scores: `rows` (p, s) times residuals of unit variance, correlated with the k-th
-    neighbour along the clock by `correlation` (k,). Of each, `missed` (p,) is what edges hide: an edge that runs along
-    the pipe, as a rail's, lies in the same place between clock positions on all rings, and hides the same on all.
+    neighbour along the clock by `correlation` (k,). Of each, `missed` (p,) is what lies between points: a flank does
+    between two rings what it does over a stretch of clock positions.
     """
     total = rows.T @ rows
     grid = _grid(rows, cloud)
     hidden = _grid(rows * missed[:, None], cloud)
-    along = hidden.sum(axis=0)
-    total = total + along.T @ along - np.tensordot(hidden, hidden, axes=([0, 1], [0, 1]))
+    beside = np.add.reduceat(hidden, np.arange(0, cloud.positions, ALIKE), axis=1)
+    total = total + np.tensordot(beside, beside, axes=([0, 1], [0, 1])) - np.tensordot(hidden, hidden, ([0, 1], [0, 1]))
     for k, shared in enumerate(correlation.tolist(), start=1):
         part = np.tensordot(grid, np.roll(grid, -k, 1), axes=([0, 1], [0, 1]))
         total = total + shared * (part + part.T)

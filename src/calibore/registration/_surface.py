@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from calibore.registration._slopes import bend, clock_bends, slopes
+from calibore.registration._slopes import NOISY, bend, clock_bends, slopes
 from calibore.scans import Profile
 
 Array = NDArray[np.float64]
@@ -26,9 +26,12 @@ BEYOND = 0.25
 """Of the rings' spacing: as far beyond an end ring its radius still counts, less and less known."""
 FAR = 0.25
 """Of the radius: rings no further than that on each side may share a slope."""
+TURN = 0.75
+"""Of t (1 - t) times the change of the second difference from one ring to the next: the flank of a feature that is
+steepest at one ring and flat at the next is so far from the cubic."""
 PARABOLA = 0.5
-"""Of t (1 - t) times the second difference from ring to ring: a wall that bends at one of the rings, not evenly, is so
-far from the cubic. Beside edges it may step anywhere between rings: sqrt(t (1 - t)) of the step is the
+"""Of t (1 - t) times the second difference from ring to ring: a wall that bends at one of the rings, not evenly, is
+so far from the cubic. Beside edges it may step anywhere between rings: sqrt(t (1 - t)) of the step is the
 deviation then."""
 SHARP = 20
 """Clock positions within which an edge tells that walls are stepped."""
@@ -74,6 +77,10 @@ class _Between:
         """(..., p) of `values` (..., n, m); `squared`: of variances of independent values."""
         weight = self.weight**2 if squared else self.weight
         return np.einsum("kp,...kp->...p", weight, values[..., self.row, self.column])
+
+    def from_ring_to_ring(self, values: Array) -> Array:
+        """(p,) of `values` (n, m) that belong to what lies between a ring and the next."""
+        return (1 - self.s) * values[self.row[0], self.column[0]] + self.s * values[self.row[0], self.column[1]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +143,17 @@ class Surface:
         return np.concatenate([inner[:1], inner, inner[-1:]])
 
     @cached_property
+    def _axial_turns(self) -> Array:
+        """(n, m) [m] size of the third difference from each ring to the next, as far as it is more than noise."""
+        radius, u = self.profile.radius, np.nan_to_num(self.profile.u_independent)
+        turns = np.zeros_like(radius)
+        if len(radius) > 3:
+            third = radius[3:] - 3 * radius[2:-1] + 3 * radius[1:-2] - radius[:-3]
+            turns[1:-2] = np.sqrt(np.maximum(np.nan_to_num(third) ** 2 - 20 * (NOISY * u[1:-2]) ** 2, 0.0))
+            turns[0], turns[-2:] = turns[1], turns[-3]
+        return turns
+
+    @cached_property
     def _edges(self) -> Array:
         """(n, m) [m] the sharpest edge round the clock near each point and on the rings next to it: a wall that has
         edges round the clock may have them along the pipe.
@@ -160,7 +178,8 @@ class Surface:
         t, mean = between.t, between.mean
         outside = np.maximum(np.maximum(-t, t - 1), 0.0)
         inside = np.maximum(t * (1 - t), 0.0)
-        along = np.where(outside > 0, outside, PARABOLA * inside) * mean(self.axial_bends)
+        bent = PARABOLA * mean(self.axial_bends) + TURN * between.from_ring_to_ring(self._axial_turns)
+        along = np.where(outside > 0, outside * mean(self.axial_bends), inside * bent)
         stepped = np.sqrt(inside) * mean(np.minimum(self.axial_bends, self._edges))
         missed = np.sqrt(along**2 + stepped**2 + (RESOLUTION * mean(self.clock_bends)) ** 2)
         noise = mean(self.profile.u_independent**2, squared=True)
