@@ -85,7 +85,8 @@ def solved(cloud: Cloud, surface: Surface, start: Motion, freedom: Freedom, *, a
         weights, scatter = _weights(found, state, table, layout)
         information, right = _normal(table, found, _left(found, state), weights, scatter)
         known = _known(information, layout, found, cloud, weights, scatter)
-        step = np.linalg.solve(known, right - layout.prior @ state)
+        # not by what is known: noise in slopes taken away, hardly any information may be left, and the step be huge
+        step = np.linalg.solve(information + layout.prior, right - layout.prior @ state)
         state = state + step * (1.0 if number < DAMPED else 0.5)
         motion = about.with_values(_moved(about.values, freedom.columns, state[layout.motion]))
         if np.all(step**2 <= SETTLED**2 * np.diag(np.linalg.inv(known))):
