@@ -1,7 +1,8 @@
 """`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
 
 `python -m benchmarks coverage`, `ovality`, `every_rig`, `pictures`, `calibration`, `change` and `change_pictures` run
-the long accuracy studies instead (minutes each), `cluster` two Dask workers against one.
+the long accuracy studies instead (minutes each), `cluster` two Dask workers against one,
+`archive` pictures from archives against PNG files.
 """
 
 import os
@@ -22,6 +23,7 @@ PARTS = ("kernel", "side_facing", "triangulation", "end_to_end_one", "end_to_end
 def part(name: str, *rest: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
     from benchmarks import (
+        archive,
         calibration,
         change,
         change_pictures,
@@ -37,9 +39,10 @@ def part(name: str, *rest: str) -> list[str]:
         triangulation,
     )
 
-    if name in ("kernel", "side_facing", "end_to_end_one"):
+    if name in ("kernel", "side_facing", "end_to_end_one", "archive"):
         timing.pin_to_one_core()
     tables = {
+        "archive": archive.report,
         "kernel": kernel.report,
         "side_facing": side_facing.report,
         "end_to_end_one": lambda: end_to_end.report(1),

@@ -32,9 +32,17 @@ def pin_to_one_core() -> None:
 
 
 def compare(
-    contestants: Mapping[str, Callable[[], object]], *, peer: str, rounds: int, rng: np.random.Generator
+    contestants: Mapping[str, Callable[[], object]],
+    *,
+    peer: str,
+    rounds: int,
+    rng: np.random.Generator,
+    clock: Callable[[], float] = time.perf_counter,
 ) -> Comparison:
-    """Time `contestants` over `rounds`; the peer runs twice per round, its second time being the control."""
+    """Time `contestants` over `rounds`; the peer runs twice per round, its second time being the control.
+
+    `clock` tells seconds: of the wall, or of the processor (`time.process_time`) where other jobs share it.
+    """
     names = [*contestants, f"{peer} (control)"]
     calls = dict(contestants) | {names[-1]: contestants[peer]}
     seconds = {name: np.empty(rounds) for name in names}
@@ -42,9 +50,9 @@ def compare(
         call()
     for i in range(rounds):
         for name in rng.permutation(names):
-            start = time.perf_counter()
+            start = clock()
             calls[name]()
-            seconds[name][i] = time.perf_counter() - start
+            seconds[name][i] = clock() - start
     ratio = {name: _median_interval(seconds[peer] / seconds[name], rng) for name in names}
     return Comparison({name: 1e3 * float(np.median(s)) for name, s in seconds.items()}, ratio)
 

@@ -15,6 +15,7 @@ from calibore.cli._design import design
 from calibore.cli._export import export
 from calibore.cli._failure import telling_failures
 from calibore.cli._help import show_help
+from calibore.cli._import import import_scan
 from calibore.cli._profile import profile
 from calibore.cli._reproduce import reproduce
 from calibore.cli._simulate import simulate
@@ -46,6 +47,7 @@ def _common(
 
 for verb in (demo, profile, compare, export, reproduce, simulate):
     app.command()(verb)
+app.command("import")(import_scan)
 app.add_typer(calibrate)
 app.add_typer(design)
 

@@ -12,6 +12,8 @@ from calibore.comparison._smoothing import Smoother, windows_of
 from calibore.errors import InputError
 
 Array = NDArray[np.float64]
+GROWN = 0.75
+"""Of the limit: a change that is certain reaches as far as it is likely; its middle is not where noise helped."""
 FALSE_ALARM = 0.05
 """Probability that an unchanged pipe shows any region at all."""
 DETECTED = 1.64
@@ -66,17 +68,19 @@ def changes(difference: Difference, *, false_alarm: float = FALSE_ALARM, seed: i
 
 
 def _connected(strongest: Array, limit: float) -> list[NDArray[np.bool_]]:
-    """Masks (n, m) of points that touch, of one sign, beyond the limit; the clock goes round."""
+    """Masks (n, m) of points that touch, of one sign, beyond `GROWN` of the limit, some of them beyond all of it; the
+    clock goes round.
+    """
     from scipy.ndimage import label
 
     masks = []
     for sign in (1, -1):
         labels = np.zeros(strongest.shape, dtype=np.int32)
-        label(sign * strongest > limit, structure=np.ones((3, 3)), output=labels)
+        label(sign * strongest > GROWN * limit, structure=np.ones((3, 3)), output=labels)
         for row in range(len(labels)):
             for other in range(max(row - 1, 0), min(row + 2, len(labels))):
                 left, right = labels[row, 0], labels[other, -1]
                 if left and right and left != right:
                     labels[labels == right] = left
-        masks += [labels == one for one in np.unique(labels[labels > 0])]
+        masks += [labels == one for one in np.unique(labels[sign * np.nan_to_num(strongest) > limit])]
     return masks

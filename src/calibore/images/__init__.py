@@ -1,10 +1,12 @@
-"""Where pictures come from: folders of image files, videos, and the tables that say where each was taken.
+"""Where pictures come from: folders of image files, archives, videos, and the tables that say where each was taken.
 
 An `ImageSource` hands out one station after the other, so that a survey never has to fit into memory. Pixels are
 measurements: orientation tags, gamma and colour profiles are ignored, alpha is dropped, `image[v, u]` is what the
 sensor wrote.
 """
 
+from calibore.images._archive import ImageArchive
+from calibore.images._archive_writer import JOURNAL, Imported, write_archive
 from calibore.images._folder import ImageFolder
 from calibore.images._pattern import FIELDS, NamePattern
 from calibore.images._reading import LIMIT, ImageFileError, image_size, read_image
@@ -15,10 +17,13 @@ from calibore.images._video import CHANNELS, Video
 __all__ = [
     "CHANNELS",
     "FIELDS",
+    "JOURNAL",
     "LIMIT",
+    "ImageArchive",
     "ImageFileError",
     "ImageFolder",
     "ImageSource",
+    "Imported",
     "NamePattern",
     "Odometry",
     "Pixels",
@@ -30,4 +35,5 @@ __all__ = [
     "read_image",
     "read_odometry",
     "read_station_table",
+    "write_archive",
 ]

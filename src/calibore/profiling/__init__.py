@@ -4,8 +4,10 @@
 `measure_scan`   the same station by station, for programs that keep results in memory
 `measure_image`  one picture in memory to a `Ring` on the clock grid
 `prepare`        reads and checks what a scan folder says before its first image is read
+`archive_scan`   a scan folder in, one that holds its pictures in an archive out
 """
 
+from calibore.profiling._archive import archive_scan
 from calibore.profiling._grid import Ring
 from calibore.profiling._job import Job
 from calibore.profiling._profile import Finisher, Progress, Sealed, measure_scan, prepare, profile_scan
@@ -20,6 +22,7 @@ __all__ = [
     "Sealed",
     "StationResult",
     "Tally",
+    "archive_scan",
     "measure_image",
     "measure_scan",
     "measure_station",

@@ -6,7 +6,15 @@ from pathlib import Path
 
 from calibore.errors import InputError
 from calibore.geometry import Pose
-from calibore.images import ImageFolder, ImageSource, StationImages, Video, read_odometry, read_station_table
+from calibore.images import (
+    ImageArchive,
+    ImageFolder,
+    ImageSource,
+    StationImages,
+    Video,
+    read_odometry,
+    read_station_table,
+)
 from calibore.optics import Camera
 from calibore.rigs import Rig
 from calibore.scans import AxialMotion, ScanSpec
@@ -57,7 +65,8 @@ def open_source(spec: ScanSpec, rig: Rig) -> tuple[ImageSource, str, Placer]:
                 "give them one channel, or save the frames as images."
             )
         return _open_video(spec, spec.video, channel=channel or VIDEO_CHANNEL, camera=rig.camera)
-    source = ImageFolder(spec.folder, spec.pattern or "")
+    pattern = spec.pattern or ""
+    source = ImageArchive(spec.archive, pattern) if spec.archive else ImageFolder(spec.folder, pattern)
     return source, FOLDER_CHANNEL, _by_station(spec)
 
 

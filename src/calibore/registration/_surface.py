@@ -26,9 +26,9 @@ BEYOND = 0.25
 """Of the rings' spacing: as far beyond an end ring its radius still counts, less and less known."""
 FAR = 0.25
 """Of the radius: rings no further than that on each side may share a slope."""
-TURN = 0.75
-"""Of t (1 - t) times the change of the second difference from one ring to the next: the flank of a feature that is
-steepest at one ring and flat at the next is so far from the cubic."""
+TURN = 0.25
+"""Of t (1 - t) times the change of the second difference from one ring to the next: a standard deviation of what a
+flank does that is steepest at one ring and flat at the next."""
 PARABOLA = 0.5
 """Of t (1 - t) times the second difference from ring to ring: a wall that bends at one of the rings, not evenly, is
 so far from the cubic. Beside edges it may step anywhere between rings: sqrt(t (1 - t)) of the step is the

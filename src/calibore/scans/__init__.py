@@ -6,6 +6,7 @@ writes it for other programs.
 """
 
 from calibore.scans._exports import check_format, default_export_name, export
+from calibore.scans._lock import locked
 from calibore.scans._profile import Profile, joined, read_profile
 from calibore.scans._results import open_points, open_profile, read_rings
 from calibore.scans._ring import RingPoints, RingProfile
@@ -26,6 +27,7 @@ __all__ = [
     "default_export_name",
     "export",
     "joined",
+    "locked",
     "open_points",
     "open_profile",
     "read_profile",

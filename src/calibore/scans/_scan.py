@@ -50,6 +50,8 @@ class TactileTables:
 class ScanSpec:
     """What a scan folder says, SI units, paths resolved; exactly one of `pattern`, `video`, `tactile` is set.
 
+    `archive`: the Zarr group that holds the pictures called as `pattern` says; None where they are files.
+
     `motion` is an `AxialMotion` or the path of a table. `search_inner` and `search_outer` are fractions of the nominal
     radius between which the wall is looked for; `axial_step` [m]: spacing of the rows of a side-facing scan's profile,
     None to choose; `date` of the survey. `identity` stays when settings are corrected or the folder is moved: it hashes
@@ -63,6 +65,7 @@ class ScanSpec:
     motion: AxialMotion | Path
     identity: str
     pattern: str | None = None
+    archive: Path | None = None
     video: Path | None = None
     tactile: TactileTables | None = None
     angular: AngularMotion | None = None

@@ -74,6 +74,7 @@ class _Pipe(Document):
 
 class _Images(Document):
     pattern: str | None = None
+    archive: str | None = None
     video: str | None = None
 
 
@@ -147,6 +148,10 @@ def _check_sources(document: _Scan, toml: Path) -> None:
     if len(named) != 1:
         said = f"names {' and '.join(named)}" if named else "names no data"
         raise InputError(f"{toml} {said}; give exactly one of images.pattern, images.video and [tactile].")
+    if images and images.archive is not None and images.pattern is None:
+        raise InputError(
+            f"{toml}: images.archive needs images.pattern beside it, the names that its pictures had as files."
+        )
     if (motion.axial is None) == (motion.table is None):
         said = "both axial and table" if motion.axial else "neither axial nor table"
         raise InputError(f"{toml}: [motion] gives {said}; give exactly one of them.")
@@ -196,6 +201,7 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
         motion=AxialMotion(axial.origin, axial.step) if axial else file("motion.table", str(table)),
         identity=_identity(folder, document),
         pattern=images.pattern,
+        archive=None if images.archive is None else _archive(folder, images.archive, toml),
         video=None if images.video is None else file("images.video", images.video),
         tactile=_tables(tactile, file) if tactile else None,
         angular=AngularMotion(angular.origin, angular.step) if angular else None,
@@ -206,6 +212,14 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
         axial_step=document.grid.axial_step,
         date=document.date,
     )
+
+
+def _archive(folder: Path, name: str, toml: Path) -> Path:
+    if not (folder / name).is_dir():
+        raise InputError(
+            f'{toml}: key images.archive = "{name}" names no existing archive; paths are relative to {toml.name}.'
+        )
+    return folder / name
 
 
 def _tables(tactile: _Tactile, file: Callable[[str, str], Path]) -> TactileTables:
@@ -219,6 +233,7 @@ def _tables(tactile: _Tactile, file: Callable[[str, str], Path]) -> TactileTable
 
 
 def _identity(folder: Path, document: _Scan) -> str:
-    sources = document.model_dump(include={"name": True, "images": True, "tactile": {"signal", "bias"}})
+    kept = {"name": True, "images": {"pattern", "video"}, "tactile": {"signal", "bias"}}
+    sources = document.model_dump(include=kept)  # pictures are the same ones in an archive
     text = json.dumps([folder.name, sources], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
