@@ -7,6 +7,7 @@
 mod centre;
 mod chain;
 mod choice;
+mod features;
 mod fit;
 mod guide;
 mod lanes;
@@ -14,6 +15,7 @@ mod learn;
 mod light;
 mod literature;
 mod measure;
+mod near;
 mod noise;
 mod peak;
 mod rays;
@@ -24,6 +26,8 @@ mod scan;
 mod scatter;
 mod settings;
 mod statistics;
+mod trace;
+mod vectors;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -33,6 +37,7 @@ use measure::Line;
 use rays::{Annulus, FARTHEST};
 use sampling::{luma, Grey, Plane};
 use settings::{Estimator, Noise};
+use vectors::Vectors;
 
 /// Number of the band that is the luma of all three colours.
 const LUMA_BAND: usize = 3;
@@ -60,7 +65,7 @@ fn arrays(py: Python<'_>, line: Line) -> Arrays<'_> {
 fn on_plane<T: Grey + numpy::Element, R: Send>(
     py: Python<'_>,
     image: &Bound<'_, PyAny>,
-    band: usize,
+    (band, vectors): (usize, Vectors),
     work: impl FnOnce(&Plane<T>) -> R + Send,
 ) -> PyResult<Option<R>> {
     let Ok(image) = image.extract::<PyReadonlyArrayDyn<'_, T>>() else { return Ok(None) };
@@ -73,9 +78,9 @@ fn on_plane<T: Grey + numpy::Element, R: Send>(
     let (height, width) = (shape[0], shape[1]);
     Ok(Some(py.detach(|| {
         if band == LUMA_BAND {
-            work(&Plane { data: &luma(data), width, height, bands: 1, band: 0 })
+            work(&Plane { data: &luma(data), width, height, bands: 1, band: 0, vectors })
         } else {
-            work(&Plane { data, width, height, bands, band })
+            work(&Plane { data, width, height, bands, band, vectors })
         }
     })))
 }
@@ -84,8 +89,10 @@ fn not_an_image() -> PyErr {
     PyValueError::new_err("an image must be a C-contiguous array of uint8 or uint16")
 }
 
-/// See `calibore.stripe._twin.ring_numpy`. ValueError with a sentence where there is no ring.
+/// See `calibore.stripe._twin.ring_numpy`. ValueError with a sentence where there is no ring. Without `vectors` in scalar instructions
+/// only, with the same results.
 #[pyfunction]
+#[pyo3(signature = (image, band, centre, radii, direction, counted, estimator, vectors = true))]
 #[allow(clippy::too_many_arguments)]
 fn detect_ring<'py>(
     py: Python<'py>,
@@ -96,35 +103,38 @@ fn detect_ring<'py>(
     direction: PyReadonlyArray2<'py, f64>,
     counted: PyReadonlyArray1<'py, bool>,
     estimator: u8,
+    vectors: bool,
 ) -> PyResult<(Arrays<'py>, NoiseNumbers, f64, (f64, f64))> {
-    let estimator = estimator_of(estimator)?;
+    let (estimator, source) = (estimator_of(estimator)?, (band, Vectors::detected(vectors)));
     let (direction, counted) = (direction.as_slice()?, counted.as_slice()?);
     let annulus = Annulus { centre: [centre.0, centre.1], inner: radii.0, outer: radii.1, direction: direction.as_chunks().0, counted };
     if !annulus.is_sound() {
         return Err(PyValueError::new_err(format!("no rays can be laid into that annulus; lengths must stay below {FARTHEST} px")));
     }
-    let measured = match on_plane::<u8, _>(py, image, band, |plane| ring::measure(plane, annulus, estimator))? {
+    let measured = match on_plane::<u8, _>(py, image, source, |plane| ring::measure(plane, annulus, estimator))? {
         Some(measured) => measured,
-        None => on_plane::<u16, _>(py, image, band, |plane| ring::measure(plane, annulus, estimator))?.ok_or_else(not_an_image)?,
+        None => on_plane::<u16, _>(py, image, source, |plane| ring::measure(plane, annulus, estimator))?.ok_or_else(not_an_image)?,
     };
     let (line, centre) = measured.map_err(PyValueError::new_err)?;
     let (noise, scale) = (numbers(&line.noise), line.scale);
     Ok((arrays(py, line), noise, scale, (centre[0], centre[1])))
 }
 
-/// See `calibore.stripe._twin.line_numpy`.
+/// See `calibore.stripe._twin.line_numpy`, and `detect_ring` for `vectors`.
 #[pyfunction]
+#[pyo3(signature = (image, band, estimator, down, vectors = true))]
 fn detect_line<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
     band: usize,
     estimator: u8,
     down: bool,
+    vectors: bool,
 ) -> PyResult<(Arrays<'py>, NoiseNumbers, f64)> {
-    let estimator = estimator_of(estimator)?;
-    let measured = match on_plane::<u8, _>(py, image, band, |plane| ring::measure_line(plane, estimator, down))? {
+    let (estimator, source) = (estimator_of(estimator)?, (band, Vectors::detected(vectors)));
+    let measured = match on_plane::<u8, _>(py, image, source, |plane| ring::measure_line(plane, estimator, down))? {
         Some(measured) => measured,
-        None => on_plane::<u16, _>(py, image, band, |plane| ring::measure_line(plane, estimator, down))?.ok_or_else(not_an_image)?,
+        None => on_plane::<u16, _>(py, image, source, |plane| ring::measure_line(plane, estimator, down))?.ok_or_else(not_an_image)?,
     };
     let line = measured.map_err(PyValueError::new_err)?;
     let (noise, scale) = (numbers(&line.noise), line.scale);

@@ -64,7 +64,7 @@ def test_sectors_keep_a_feature_from_moving_the_centre() -> None:
     assert off(opposite) < 1.0  # it rests when it moves less than 0.5 px, and chords make it move slowly
 
 
-@pytest.mark.parametrize("kernel", ["native", "numpy"])
+@pytest.mark.parametrize("kernel", ["native", "scalar", "numpy"])
 @pytest.mark.parametrize("degrees", [60, 120, 150, 200, 300])
 def test_an_arc_is_measured_as_far_as_it_is_there(degrees: float, kernel: str) -> None:
     truth, shape = (163.4, 151.7), (300, 330)

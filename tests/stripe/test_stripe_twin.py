@@ -1,4 +1,4 @@
-"""The compiled kernel and its NumPy twin say the same."""
+"""The compiled kernel, with the vector instructions of the machine or without, and its NumPy twin say the same."""
 
 from pathlib import Path
 from typing import Any
@@ -9,12 +9,15 @@ import pytest
 from stripe_scenes import line_image, red, ring_brightness
 
 from calibore.errors import ImageError
+from calibore.images import read_image
 from calibore.stripe import Stripe, detect_line, detect_ring, estimator_named
+from calibore.stripe._features import freed_of_features
 from calibore.stripe._kernel import DEFAULT_KERNEL
 from calibore.stripe._picture import prepare
 from calibore.stripe._twin import Annulus, ring_numpy
 
 SIMULATED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated"
+SIDE = SIMULATED / "side-2.4in"
 FOLDERS = ["plane-3in", "plane-6in", "plane-12in", "plane-30in", "plane-misaligned", "field", "epochs/A"]
 NAMES = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation")
 SHAPE, CENTRE = (190, 210), (106.3, 93.8)
@@ -42,6 +45,16 @@ def assert_same(one: Stripe | str, other: Stripe | str) -> None:
         assert getattr(one.noise, field) == pytest.approx(getattr(other.noise, field), rel=1e-6)
     assert one.scale == pytest.approx(other.scale, rel=1e-6)
     assert one.centre == pytest.approx(other.centre, abs=1e-6)
+
+
+def assert_identical(one: Stripe | str, other: Stripe | str) -> None:
+    """To the last bit: nothing is added in another order."""
+    if isinstance(one, str) or isinstance(other, str):
+        assert one == other
+        return
+    for name in ("status", "u", "v", "u_position", "height", "correlation"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert (one.noise, one.scale, one.centre) == (other.noise, other.scale, other.centre)
 
 
 def scene(kind: str) -> tuple[np.ndarray, dict]:
@@ -87,20 +100,40 @@ KINDS += ["luma", "16 bit luma", "not contiguous", "odd rays", "off centre", "se
 
 @native
 @pytest.mark.parametrize("kind", KINDS)
-def test_both_kernels_see_the_same_ring(kind: str) -> None:
+def test_all_kernels_see_the_same_ring(kind: str) -> None:
     image, options = scene(kind)
-    assert_same(outcome(image, kernel="native", **options), outcome(image, kernel="numpy", **options))
+    one, scalar, twin = (outcome(image, kernel=kernel, **options) for kernel in ("native", "scalar", "numpy"))
+    assert_same(one, twin)
+    assert_identical(one, scalar)
 
 
 @native
 @pytest.mark.parametrize("name", NAMES)
-def test_both_kernels_agree_for_every_estimator(name: str) -> None:
+def test_all_kernels_agree_for_every_estimator(name: str) -> None:
     image, _ = scene("speckled")
-    one, other = (outcome(image, kernel=kernel, estimator=name) for kernel in ("native", "numpy"))
+    one, scalar, twin = (outcome(image, kernel=kernel, estimator=name) for kernel in ("native", "scalar", "numpy"))
     assert isinstance(one, Stripe)
-    assert_same(one, other)
+    assert_same(one, twin)
+    assert_identical(one, scalar)
     line, _ = line_image(np.random.default_rng(1), columns=160, slope=0.11)
-    assert_same(*(detect_line(line, kernel=kernel, estimator=name) for kernel in ("native", "numpy")))
+    one, scalar, twin = (detect_line(line, kernel=kernel, estimator=name) for kernel in ("native", "scalar", "numpy"))
+    assert_same(one, twin)
+    assert_identical(one, scalar)
+
+
+@native
+@pytest.mark.parametrize("down", [True, False])
+@pytest.mark.parametrize("width", range(88, 108))
+def test_vector_instructions_change_no_byte_of_pictures_of_any_width(width: int, down: bool) -> None:
+    rng = np.random.default_rng(width)
+    grey, _ = line_image(rng, columns=140)
+    grey = np.pad(grey, ((width - len(grey), 0), (0, 0)), mode="edge")
+    picture = grey.T if down else grey
+    for image in (picture, red(picture.astype(float), rng), picture.astype(np.uint16) * np.uint16(257)):
+        options: dict[str, Any] = {"down": down, "channel": "red" if image.ndim == 3 else "luma"}
+        one, scalar, twin = (detect_line(image, kernel=kernel, **options) for kernel in ("native", "scalar", "numpy"))
+        assert_identical(one, scalar)
+        np.testing.assert_array_equal(one.status, twin.status)
 
 
 def shared(folder: str) -> tuple[np.ndarray, tuple[float, float], float]:
@@ -114,10 +147,33 @@ def shared(folder: str) -> tuple[np.ndarray, tuple[float, float], float]:
 
 @native
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_both_kernels_agree_on_the_shared_images(folder: str) -> None:
+def test_all_kernels_agree_on_the_shared_images(folder: str) -> None:
     image, centre, outer = shared(folder)
     options: dict = {"centre": centre, "inner": 80.0, "outer": outer, "rays": 1000}
-    assert_same(outcome(image, kernel="native", **options), outcome(image, kernel="numpy", **options))
+    one, scalar, twin = (outcome(image, kernel=kernel, **options) for kernel in ("native", "scalar", "numpy"))
+    assert_same(one, twin)
+    assert_identical(one, scalar)
+
+
+@native
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_the_compiled_kernel_has_freed_the_line_of_features_as_the_twin_would(folder: str) -> None:
+    image, centre, outer = shared(folder)
+    stripe = outcome(image, centre=centre, inner=80.0, outer=outer, rays=1500)
+    assert isinstance(stripe, Stripe)
+    again = freed_of_features(stripe)  # what is free of features stays what it is
+    np.testing.assert_allclose(again.u_position, stripe.u_position, rtol=1e-9)
+    np.testing.assert_allclose(again.correlation, stripe.correlation, atol=1e-9)
+
+
+@native
+@pytest.mark.skipif(not SIDE.exists(), reason="needs the shared side-facing survey")
+@pytest.mark.parametrize("stop", [0, 150, 300])
+def test_vector_instructions_change_no_byte_of_a_side_facing_picture(stop: int) -> None:
+    image = read_image(SIDE / f"side 000 {stop:03d} 0.png")
+    one, scalar = (detect_line(image, down=True, channel="red", kernel=kernel) for kernel in ("native", "scalar"))
+    assert_identical(one, scalar)
+    np.testing.assert_allclose(freed_of_features(one).u_position, one.u_position, rtol=1e-9)
 
 
 @pytest.mark.parametrize("folder", FOLDERS)

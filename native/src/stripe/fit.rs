@@ -1,8 +1,9 @@
-//! One weighted Gauss-Newton step of a Gaussian line, for four peaks at once (see the Python module `_refine`).
+//! One weighted Gauss-Newton step of a Gaussian line, for several peaks at once (see the Python module `_refine`).
 
 use super::lanes::{Lanes, LANES};
 use super::peak::Standing;
 use super::settings::{Settings, WIDEST_FIT};
+use super::vectors::{vectorised, Vectors};
 
 /// Least determinant, relative to its diagonal, at which the samples still fix a place.
 const SINGULAR: f64 = 1e-12;
@@ -60,6 +61,7 @@ impl Batch {
 
 /// The fit under one noise model.
 pub struct Fit {
+    vectors: Vectors,
     half: usize,
     /// 1 / width^2.
     inverse: Lanes,
@@ -85,6 +87,7 @@ impl Fit {
         let square = |d: usize| (d * d) as f64;
         let shared = |d: usize| (-square(d) / (4.0 * noise.grain * noise.grain)).exp();
         Fit {
+            vectors: settings.vectors,
             half,
             inverse: Lanes::all(inverse),
             additive: Lanes::all(noise.additive),
@@ -105,6 +108,12 @@ impl Fit {
 
     /// The step for (amplitude, position, background) along position, leaving its functional behind; NaN where the samples fix no place.
     pub fn step(&mut self, batch: &Batch) -> Lanes {
+        let fit = self;
+        vectorised!(fit.vectors, step(fit: &mut Fit, batch: &Batch) -> Lanes)
+    }
+
+    #[inline(always)]
+    fn stepped(&mut self, batch: &Batch) -> Lanes {
         self.gaussian(batch);
         let [amplitude, position, level] = inverse_row(self.normal(batch));
         let amplitude = amplitude / batch.height;
@@ -118,6 +127,7 @@ impl Fit {
     }
 
     /// exp(-(k + offset)^2 / 2 width^2) = bell(k) exp(-offset^2 / 2 width^2) exp(-offset / width^2)^k for all samples k.
+    #[inline(always)]
     fn gaussian(&mut self, batch: &Batch) {
         let offset = batch.offset * self.inverse;
         let (mut right, mut left) = (Lanes::all(1.0), Lanes::all(1.0));
@@ -134,6 +144,7 @@ impl Fit {
 
     /// Normal matrix (aa, ab, ac, bb, bc, cc) of the fit; leaves line, slope and weight of every sample behind. Samples that are saturated
     /// or outside the picture weigh nothing.
+    #[inline(always)]
     fn normal(&mut self, batch: &Batch) -> [Lanes; 6] {
         let (mut aa, mut ab, mut ac, mut bb, mut bc, mut cc) =
             (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
@@ -159,6 +170,12 @@ impl Fit {
 
     /// Standard uncertainty of the functional left by `step` under pixel noise and correlated speckle.
     pub fn uncertainty(&mut self) -> Lanes {
+        let fit = self;
+        vectorised!(fit.vectors, uncertainty(fit: &mut Fit) -> Lanes)
+    }
+
+    #[inline(always)]
+    fn doubt(&mut self) -> Lanes {
         let count = 2 * self.half + 1;
         let mut pixel = Lanes::ZERO;
         for (functional, line) in self.functional.iter_mut().zip(&self.line).take(count) {
@@ -178,7 +195,18 @@ impl Fit {
     }
 }
 
+#[inline(always)]
+fn step(fit: &mut Fit, batch: &Batch) -> Lanes {
+    fit.stepped(batch)
+}
+
+#[inline(always)]
+fn uncertainty(fit: &mut Fit) -> Lanes {
+    fit.doubt()
+}
+
 /// Second row (position) of the inverse of a symmetric 3 x 3 matrix; NaN where it is singular.
+#[inline(always)]
 fn inverse_row([aa, ab, ac, bb, bc, cc]: [Lanes; 6]) -> [Lanes; 3] {
     let row = [bc * ac - ab * cc, aa * cc - ac * ac, ac * ab - aa * bc];
     let mut determinant = aa * (bb * cc - bc * bc) + ab * row[0] + ac * (ab * bc - bb * ac);

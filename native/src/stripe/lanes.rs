@@ -1,9 +1,9 @@
-//! Four peaks computed together, one in each lane: what the compiler turns into vector instructions of any machine.
+//! Eight peaks computed together, one in each lane: what the compiler turns into vector instructions of any machine.
 
 use std::array::from_fn;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 
 #[derive(Clone, Copy)]
 pub struct Lanes(pub [f64; LANES]);

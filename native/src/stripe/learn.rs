@@ -1,15 +1,13 @@
 //! Settings of a scan, learnt from the picture (see the Python module `_learn`).
 
-use super::fit::{Batch, Fit};
+use super::near::Near;
 use super::noise::{background_noise, pixel_noise, speckle, CONTRAST};
-use super::peak::{margin, Finder, Standing};
 use super::rays::{Ray, Rays};
-use super::refine::{has_left, moved_place};
-use super::sampling::{Grey, Plane, Trace};
-use super::scan::{gate_of, Candidates};
+use super::sampling::{Grey, Plane};
+use super::scan::Candidates;
 use super::scatter::neighbour_scatter;
 use super::settings::{Estimator, Noise, Settings, PUBLISHED_WINDOW};
-use super::statistics::{floor, median, Histogram};
+use super::statistics::{median, Histogram};
 
 const PUBLISHED_THRESHOLD: f64 = 45.0;
 const SPARSE: usize = 48;
@@ -37,10 +35,14 @@ pub fn first_settings<T: Grey>(plane: &Plane<T>, rays: &Rays, estimator: Estimat
         let track = ray.track();
         let (first, end) = track.inside(plane.width, plane.height, rays.samples);
         line.clear();
-        line.extend((first..end).map(|sample| plane.data[plane.nearest_index(track.at(sample))].level()));
-        line.iter().for_each(|&value| values.add(value));
-        line.iter().zip(line.iter().skip(2)).for_each(|(a, b)| differences.add(a.abs_diff(*b)));
+        match plane.aligned(&track, first) {
+            Some((pixels, pace)) => line.extend(pixels.iter().step_by(pace).take(end - first).map(|pixel| pixel.level())),
+            None => line.extend((first..end).map(|sample| plane.data[plane.nearest_index(track.at(sample))].level())),
+        }
+        values.add(&line);
         brightest.extend(line.iter().max().map(|&value| f64::from(value)));
+        (2..line.len()).for_each(|k| line[k - 2] = line[k - 2].abs_diff(line[k]));
+        differences.add(&line[..line.len().saturating_sub(2)]);
     }
     if brightest.is_empty() {
         return None;
@@ -51,7 +53,8 @@ pub fn first_settings<T: Grey>(plane: &Plane<T>, rays: &Rays, estimator: Estimat
     let white = f64::from(T::WHITE);
     let threshold = if estimator == Estimator::Parabola { PUBLISHED_THRESHOLD * white / 255.0 } else { 0.0 };
     let noise = Noise { additive: noise * noise, gain: USUAL_GAIN, contrast: CONTRAST, width: USUAL, grain: USUAL };
-    Some(Settings { estimator, noise, gate: floor + GATE * prominence, prominence, threshold, white, window: PUBLISHED_WINDOW })
+    let (gate, vectors) = (floor + GATE * prominence, plane.vectors);
+    Some(Settings { estimator, noise, gate, prominence, threshold, white, window: PUBLISHED_WINDOW, vectors })
 }
 
 /// `settings` with the noise model, line width and window learnt from `found` along `rays`.
@@ -90,56 +93,15 @@ fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settin
         Settings { noise: Noise { additive, ..settings.noise.clone() }, ..settings.clone() }
     };
     let trials = FLOORS.map(with_floor);
-    let scatter_of = |place: &[f64]| neighbour_scatter(place, settings.noise.width, rays.spacing);
-    let tried = places_under(plane, rays, found, &trials);
+    let scatter_of = |place: &[f64]| neighbour_scatter(place, settings.noise.width, rays.spacing, settings.vectors);
+    let near = Near::highest(plane, rays, found, &settings);
+    let tried = near.places_under(&trials);
     let (mut floors, mut scatter) = (FLOORS, tried.each_ref().map(|(place, _)| scatter_of(place)));
     if tried[0].1 > LOST {
-        let [(place, lost)] = places_under(plane, rays, found, &[with_floor(RAISED)]);
+        let [(place, lost)] = near.places_under(&[with_floor(RAISED)]);
         (floors[0], scatter[0]) = (RAISED, if lost > LOST { f64::INFINITY } else { scatter_of(&place) });
     }
     let first = usize::from(scatter[0] == f64::INFINITY && floors[0] == RAISED);
     let best = (first..floors.len()).reduce(|best, k| if scatter[k] < scatter[best] { k } else { best }).unwrap_or(0);
     with_floor(floors[best])
-}
-
-/// Places of the highest peak near each ray's highest candidate under every one of the `trials`, which differ in additive noise only; and the
-/// share of them that the step to the model's place has left.
-fn places_under<T: Grey, const N: usize>(
-    plane: &Plane<T>,
-    rays: &Rays,
-    found: &Candidates,
-    trials: &[Settings; N],
-) -> [(Vec<f64>, f64); N] {
-    let (mut places, mut lost) = ([(); N].map(|()| vec![f64::NAN; rays.rays.len()]), [0usize; N]);
-    let (mut fits, mut batch) = (trials.each_ref().map(Fit::new), Batch::new());
-    let settings = &trials[0];
-    let (gate, margin, reach) = (gate_of(settings), margin(settings), 2 * settings.reach() as i64);
-    let (finder, mut trace) = (Finder::new(settings), Trace::new(rays.samples));
-    let mut finish = |batch: &mut Batch| {
-        for ((fit, places), lost) in fits.iter_mut().zip(&mut places).zip(&mut lost) {
-            let moved = fit.step(batch);
-            for lane in 0..batch.filled {
-                places[batch.targets[lane]] = moved_place(&batch.peaks[lane], moved.0[lane]);
-                *lost += usize::from(has_left(moved.0[lane]));
-            }
-        }
-        batch.filled = 0;
-    };
-    for (index, (ray, highest)) in rays.rays.iter().zip(found.highest()).enumerate() {
-        let Some(peak) = highest else { continue };
-        let (middle, mut best): (i64, Option<Standing>) = (floor(peak.position), None);
-        let end = ((middle + reach + 2).max(0) as usize).min(rays.samples);
-        trace.read(plane, &ray.track(), ((middle - reach).max(0) as usize, end), gate, margin);
-        finder.standing(&trace, |peak| best = best.filter(|b| b.height >= peak.height).or(Some(peak)));
-        if best.is_some_and(|peak| batch.add(&trace.value, settings.half_fit(), &peak, index)) {
-            finish(&mut batch);
-        }
-    }
-    finish(&mut batch);
-    let mut lost = lost.into_iter();
-    places.map(|place| {
-        let seen = place.iter().filter(|place| place.is_finite()).count().max(1);
-        let share = lost.next().unwrap_or(0) as f64 / seen as f64;
-        (place, share)
-    })
 }

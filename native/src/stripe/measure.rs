@@ -6,6 +6,7 @@ use super::sampling::{Grey, Plane};
 use super::scan::{scan, Candidates};
 use super::scatter;
 use super::settings::{Noise, Settings};
+use super::trace::Look;
 
 /// The measured line (see the Python class `Stripe`).
 pub struct Line {
@@ -26,9 +27,9 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// Peaks of every ray are looked for within its span (first, end sample).
-    pub fn along<T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, span: impl Fn(usize) -> (usize, usize)) -> Sight {
-        Sight::among(plane, rays, scan(plane, rays, settings, span), settings.noise.width)
+    /// Peaks of every ray are looked for where `look` says.
+    pub fn along<'a, T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, look: impl Fn(usize) -> Look<'a>) -> Sight {
+        Sight::among(plane, rays, scan(plane, rays, settings, look), settings.noise.width)
     }
 
     pub fn among<T: Grey>(plane: &Plane<T>, rays: &Rays, candidates: Candidates, width: f64) -> Sight {
@@ -53,7 +54,7 @@ impl Sight {
             height.push(peak.map_or(f64::NAN, |peak| peak.height));
             status.push(if peak.is_some_and(|peak| peak.saturated) { SATURATED } else { chosen });
         }
-        let scatter = scatter::observe(&position, &u_position, settings.noise.width, rays.spacing, rays.closed);
+        let scatter = scatter::observe(&position, &u_position, settings.noise.width, rays.spacing, rays.closed, settings.vectors);
         u_position.iter_mut().for_each(|u| *u *= scatter.scale);
         Line { u, v, u_position, status, height, correlation: scatter.correlation, noise: settings.noise, scale: scatter.scale }
     }

@@ -3,11 +3,11 @@
 use super::rays::Ray;
 use super::sampling::{Grey, Plane};
 use super::settings::Noise;
-use super::statistics::median;
+use super::statistics::{median, nearest_even};
 
 const QUANTISATION: f64 = 1.0 / 12.0;
 const ALIGNED: f64 = 0.985;
-const FOURTH_DIFFERENCE: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
+const FOURTH_DIFFERENCE: [i64; 5] = [1, -4, 6, -4, 1];
 /// Sum of the squares of the fourth difference.
 const FOURTH_SQUARE: f64 = 70.0;
 const FEWEST_RUNS: usize = 200;
@@ -18,6 +18,8 @@ const FAINT_RUNS: f64 = 0.05;
 /// Median of chi-square with one degree of freedom over its mean.
 const CHI_MEDIAN: f64 = 0.4549;
 pub const NORMAL: f64 = 1.4826;
+/// Digits by which runs are sorted: two are enough for five grey values of 16 bits.
+const DIGITS: usize = 1 << 11;
 const FEWEST_PAIRS: usize = 16;
 pub const CONTRAST: f64 = 0.04;
 
@@ -28,16 +30,11 @@ pub fn background_noise(median_difference: f64) -> f64 {
 
 /// (additive, gain) of the pixel noise near peaks, given as (ray, place), from fourth differences along the line.
 pub fn pixel_noise<T: Grey>(plane: &Plane<T>, peaks: &[(Ray, [f64; 2])]) -> (f64, f64) {
-    let mut runs: Vec<(f64, f64)> = Vec::new();
-    for axis in 0..2 {
-        for (_, place) in peaks.iter().filter(|(ray, _)| ray.direction[1 - axis].abs() > ALIGNED) {
-            runs.extend((-2..=2).map(|beside| run(plane, *place, axis, 2.0 * f64::from(beside))));
-        }
-    }
+    let runs = runs_near(plane, peaks);
     if runs.len() < FEWEST_RUNS {
         return (0.0, 0.0);
     }
-    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let runs = by_level(runs);
     let faint = quantile(&runs, FAINT_RUNS);
     let bins = (runs.len() / RUNS_PER_BIN).clamp(FEWEST_BINS, MOST_BINS);
     let (mut design, mut target, mut end) = (Vec::with_capacity(bins), Vec::with_capacity(bins), 0);
@@ -55,20 +52,54 @@ pub fn pixel_noise<T: Grey>(plane: &Plane<T>, peaks: &[(Ray, [f64; 2])]) -> (f64
     (terms[0], terms[1])
 }
 
-/// (mean level, squared fourth difference) of five pixels along `axis` about a place, `beside` pixels across from it.
-fn run<T: Grey>(plane: &Plane<T>, place: [f64; 2], axis: usize, beside: f64) -> (f64, f64) {
+/// Five runs of five pixels along the line at every peak: (sum of levels, squared fourth difference).
+fn runs_near<T: Grey>(plane: &Plane<T>, peaks: &[(Ray, [f64; 2])]) -> Vec<(u32, f64)> {
+    let mut runs = Vec::with_capacity(5 * peaks.len());
+    for axis in 0..2 {
+        for (_, place) in peaks.iter().filter(|(ray, _)| ray.direction[1 - axis].abs() > ALIGNED) {
+            runs.extend((-2..=2).map(|beside| run(plane, *place, axis, 2.0 * f64::from(beside))));
+        }
+    }
+    runs
+}
+
+/// The run along `axis` about a place, `beside` pixels across from it.
+fn run<T: Grey>(plane: &Plane<T>, place: [f64; 2], axis: usize, beside: f64) -> (u32, f64) {
     let mut at = place;
     at[1 - axis] += beside;
-    let middle = |value: f64, count: usize| (value.round_ties_even().max(2.0) as usize).min(count - 3);
+    let middle = |value: f64, count: usize| (nearest_even(value).max(2) as usize).min(count - 3);
     let (column, row) = (middle(at[0], plane.width), middle(at[1], plane.height));
-    let (mut level, mut difference) = (0.0, 0.0);
+    let pace = if axis == 0 { plane.bands } else { plane.bands * plane.width };
+    let first = plane.index(column, row) - 2 * pace;
+    let pixels = &plane.data[first..=first + 4 * pace];
+    let (mut level, mut difference) = (0, 0i64);
     for (k, weight) in FOURTH_DIFFERENCE.iter().enumerate() {
-        let (c, r) = if axis == 0 { (column + k - 2, row) } else { (column, row + k - 2) };
-        let value: f64 = plane.data[plane.index(c, r)].into();
+        let value = pixels[k * pace].level();
         level += value;
-        difference += weight * value;
+        difference += weight * i64::from(value);
     }
-    (level / 5.0, difference * difference / FOURTH_SQUARE)
+    let difference = difference as f64;
+    (level, difference * difference / FOURTH_SQUARE)
+}
+
+/// (mean level, squared fourth difference) of `runs` in ascending order of level, those of the same level in the order they came in: sorted
+/// by the digits of the level from the last one on.
+fn by_level(mut runs: Vec<(u32, f64)>) -> Vec<(f64, f64)> {
+    let highest = runs.iter().map(|run| run.0).max().unwrap_or(0);
+    let (mut sorted, mut shift) = (runs.clone(), 0);
+    while highest >> shift > 0 {
+        let digit = |run: &(u32, f64)| (run.0 >> shift) as usize % DIGITS;
+        let mut place = [0; DIGITS + 1];
+        runs.iter().for_each(|run| place[digit(run) + 1] += 1);
+        (0..DIGITS).for_each(|k| place[k + 1] += place[k]);
+        for run in &runs {
+            sorted[place[digit(run)]] = *run;
+            place[digit(run)] += 1;
+        }
+        std::mem::swap(&mut runs, &mut sorted);
+        shift += DIGITS.ilog2();
+    }
+    runs.into_iter().map(|(level, square)| (f64::from(level) / 5.0, square)).collect()
 }
 
 /// Quantile by linear interpolation of levels in ascending order.

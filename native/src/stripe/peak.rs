@@ -1,7 +1,9 @@
 //! Peaks on one ray: where the slope fitted to a window of samples turns from rising to falling (see the Python module `_scan`).
 
-use super::sampling::Trace;
 use super::settings::Settings;
+use super::trace::Trace;
+use super::vectors::{vectorised, Vectors};
+use std::array::from_fn;
 
 const FULL_WIDTH: f64 = 2.354820045;
 const SATURATED_SAMPLES: usize = 2;
@@ -37,16 +39,17 @@ pub struct Finder<'a> {
     settings: &'a Settings,
     /// Distances of a window's samples from its middle, the outermost pair first.
     lever: Vec<f64>,
+    slope: Vec<f64>,
 }
 
 impl<'a> Finder<'a> {
     pub fn new(settings: &'a Settings) -> Self {
         let half = (settings.window - 1) as f64 / 2.0;
-        Finder { settings, lever: (0..settings.window / 2).map(|k| half - k as f64).collect() }
+        Finder { settings, lever: (0..settings.window / 2).map(|k| half - k as f64).collect(), slope: Vec::new() }
     }
 
     /// All peaks of the ray in `trace` that stand out, in order along the ray.
-    pub fn standing(&self, trace: &Trace, mut found: impl FnMut(Standing)) {
+    pub fn standing(&mut self, trace: &Trace, mut found: impl FnMut(Standing)) {
         let window = self.settings.window;
         let windows = (trace.value.len() + 1).saturating_sub(window);
         let half = (window - 1) as f64 / 2.0;
@@ -59,34 +62,62 @@ impl<'a> Finder<'a> {
             if from + 1 >= to {
                 continue;
             }
-            let mut before = f64::NAN;
-            for (start, samples) in (from..to).zip(values[from..].windows(window)) {
-                let after = self.slope(samples);
+            self.slope.resize(to - from, 0.0);
+            slopes(self.settings.vectors, &self.lever, &values[from..to + window - 1], &mut self.slope);
+            for (start, pair) in (from..to).zip(self.slope.windows(2)) {
+                let (before, after) = (pair[0], pair[1]);
                 if (before > 0.0) & (after <= 0.0) {
                     let fraction = before / (before - after);
-                    let position = (start - 1) as f64 + half + fraction;
+                    let position = start as f64 + half + fraction;
                     if lit(&trace.stretches[number..], position) {
                         describe(values, position, fraction, self.settings).map(&mut found);
                     }
                 }
-                before = after;
             }
             next = to - 1;
         }
     }
+}
 
-    /// Fitted slope times a positive constant: the window's samples by their distance from its middle.
-    #[inline(always)]
-    fn slope(&self, window: &[f64]) -> f64 {
-        let pairs = |levers: &[f64], samples: &[f64]| -> f64 {
-            let sides = samples.iter().zip(samples.iter().rev());
-            levers.iter().zip(sides).map(|(lever, (left, right))| lever * (right - left)).sum()
-        };
-        // the usual windows have their own copies of the loop, of known length
-        match (&self.lever[..], window) {
-            (levers @ [_, _, _], samples @ [_, _, _, _, _, _]) => pairs(levers, samples),
-            (levers @ [_, _, _, _], samples @ [_, _, _, _, _, _, _, _]) => pairs(levers, samples),
-            (levers, samples) => pairs(levers, samples),
+/// Fitted slope times a positive constant of every window of `samples`.
+fn slopes(vectors: Vectors, lever: &[f64], samples: &[f64], slope: &mut [f64]) {
+    vectorised!(vectors, slopes_of(lever: &[f64], samples: &[f64], slope: &mut [f64]))
+}
+
+#[inline(always)]
+fn slopes_of(lever: &[f64], samples: &[f64], slope: &mut [f64]) {
+    // the usual windows have their own copies of the loop, of known length
+    match lever.len() {
+        3 => slopes_by::<3>(lever, samples, slope),
+        4 => slopes_by::<4>(lever, samples, slope),
+        5 => slopes_by::<5>(lever, samples, slope),
+        _ => slopes_by_any(lever, samples, slope),
+    }
+}
+
+#[inline(always)]
+fn slopes_by<const PAIRS: usize>(lever: &[f64], samples: &[f64], slope: &mut [f64]) {
+    let Some(lever) = lever.first_chunk::<PAIRS>() else { return };
+    let count = slope.len();
+    let left: [&[f64]; PAIRS] = from_fn(|k| &samples[k..k + count]);
+    let right: [&[f64]; PAIRS] = from_fn(|k| &samples[2 * PAIRS - 1 - k..2 * PAIRS - 1 - k + count]);
+    for (i, slope) in slope.iter_mut().enumerate() {
+        let mut sum = 0.0;
+        for k in 0..PAIRS {
+            sum += lever[k] * (right[k][i] - left[k][i]);
+        }
+        *slope = sum;
+    }
+}
+
+#[inline(always)]
+fn slopes_by_any(lever: &[f64], samples: &[f64], slope: &mut [f64]) {
+    slope.fill(0.0);
+    let last = 2 * lever.len() - 1;
+    for (k, lever) in lever.iter().enumerate() {
+        let (left, right) = (&samples[k..], &samples[last - k..]);
+        for ((slope, left), right) in slope.iter_mut().zip(left).zip(right) {
+            *slope += lever * (right - left);
         }
     }
 }
@@ -117,7 +148,10 @@ fn describe(y: &[f64], position: f64, fraction: f64, settings: &Settings) -> Opt
 
 fn least(values: &[f64]) -> f64 {
     // NaN compares false, so samples outside the picture do not count
-    values.iter().fold(f64::INFINITY, |least, &v| if v < least { v } else { least })
+    let smaller = |least: f64, v: f64| if v < least { v } else { least };
+    let (fours, rest) = values.as_chunks::<4>();
+    let sides = fours.iter().fold([f64::INFINITY; 4], |least, v| from_fn(|k| smaller(least[k], v[k])));
+    rest.iter().chain(&sides).fold(f64::INFINITY, |least, &v| smaller(least, v))
 }
 
 /// Places where the line falls to `level` before and after `middle`, at most from `low` to `high`; the sample before where it leaves the

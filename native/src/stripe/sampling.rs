@@ -1,10 +1,18 @@
 //! Brightness along a ray: nearest pixel to find where a peak may be, bilinear there (see the Python module `_picture`).
 
+use std::ops::BitAnd;
+
 use super::rays::{Track, ONE};
+use super::vectors::{vectorised, Vectors};
 
 /// A grey value of 8 or 16 bits.
-pub trait Grey: Copy + Into<f64> + Into<i64> + Into<u32> + TryFrom<u32> + Default + Send + Sync {
+pub trait Grey:
+    Copy + PartialOrd + BitAnd<Output = Self> + Into<f64> + Into<i64> + Into<u32> + TryFrom<u32> + Default + Send + Sync + 'static
+{
     const WHITE: u32;
+    /// White at every `STRIDE`-th value, black between: the samples of a grey row that can be bright; and of a row of three bands.
+    const GREY_ROW: &'static [Self; BLOCK];
+    const COLOUR_ROW: &'static [Self; BLOCK];
 
     #[inline(always)]
     fn level(self) -> u32 {
@@ -12,13 +20,38 @@ pub trait Grey: Copy + Into<f64> + Into<i64> + Into<u32> + TryFrom<u32> + Defaul
     }
 }
 
-impl Grey for u8 {
-    const WHITE: u32 = 255;
+/// Only every second sample is looked at to find bright ones: of the three that can make a peak lit, one is among them.
+pub const STRIDE: usize = 2;
+/// Values of a picture row looked at together: a whole number of vectors, and of strides over one or three bands.
+pub const BLOCK: usize = 96;
+
+/// Parts of a pixel between which brightness is interpolated.
+const PARTS: f64 = 65536.0;
+/// Samples interpolated together.
+const TOGETHER: usize = 8;
+
+macro_rules! white_at_every {
+    ($kind:ident, $pace:expr) => {{
+        let (mut row, mut at) = ([0; BLOCK], 0);
+        while at < BLOCK {
+            row[at] = $kind::MAX;
+            at += $pace;
+        }
+        row
+    }};
 }
 
-impl Grey for u16 {
-    const WHITE: u32 = 65535;
+macro_rules! grey {
+    ($($kind:ident),*) => {$(
+        impl Grey for $kind {
+            const WHITE: u32 = $kind::MAX as u32;
+            const GREY_ROW: &'static [Self; BLOCK] = &white_at_every!($kind, STRIDE);
+            const COLOUR_ROW: &'static [Self; BLOCK] = &white_at_every!($kind, 3 * STRIDE);
+        }
+    )*};
 }
+
+grey!(u8, u16);
 
 /// One colour band of an image in memory: `data[(row * width + column) * bands + band]`.
 pub struct Plane<'a, T> {
@@ -27,6 +60,7 @@ pub struct Plane<'a, T> {
     pub height: usize,
     pub bands: usize,
     pub band: usize,
+    pub vectors: Vectors,
 }
 
 impl<T: Grey> Plane<'_, T> {
@@ -71,7 +105,7 @@ impl<T: Grey> Plane<'_, T> {
     /// The pixels that the samples from `first` on fall on, where a track runs along a row or down a column: the nearest and the
     /// bilinear brightness are theirs.
     #[inline(always)]
-    fn aligned(&self, track: &Track, first: usize) -> Option<(&[T], usize)> {
+    pub fn aligned(&self, track: &Track, first: usize) -> Option<(&[T], usize)> {
         let pace = match track.step {
             [ONE, 0] => self.bands,
             [0, ONE] => self.bands * self.width,
@@ -83,7 +117,7 @@ impl<T: Grey> Plane<'_, T> {
     }
 
     /// Bilinear brightness of the samples from `first` on, all of which are inside.
-    fn interpolate(&self, track: &Track, first: usize, values: &mut [f64]) {
+    pub fn interpolate(&self, track: &Track, first: usize, values: &mut [f64]) {
         if let Some((pixels, pace)) = self.aligned(track, first) {
             values.iter_mut().zip(pixels.iter().step_by(pace)).for_each(|(value, pixel)| *value = (*pixel).into());
             return;
@@ -97,11 +131,42 @@ impl<T: Grey> Plane<'_, T> {
                 (column, row) = (column + right, row + down);
             }
         } else {
-            for value in values {
-                *value = self.bilinear::<false>([column, row]);
-                (column, row) = (column + right, row + down);
-            }
+            interpolate(self, [column, row], track.step, values);
         }
+    }
+}
+
+/// Bilinear brightness from a place on, by steps that stay inside and off the last column and row.
+fn interpolate<T: Grey>(plane: &Plane<T>, from: [i64; 2], step: [i64; 2], values: &mut [f64]) {
+    vectorised!(plane.vectors, interpolate_of<T: Grey>(plane: &Plane<'_, T>, from: [i64; 2], step: [i64; 2], values: &mut [f64]))
+}
+
+#[inline(always)]
+fn interpolate_of<T: Grey>(plane: &Plane<T>, [mut column, mut row]: [i64; 2], [right, down]: [i64; 2], values: &mut [f64]) {
+    let (data, bands, pace) = (plane.data, plane.bands, plane.bands * plane.width);
+    let (whole, rest) = values.as_chunks_mut::<TOGETHER>();
+    for values in whole {
+        let (mut x, mut y) = ([0i32; TOGETHER], [0i32; TOGETHER]);
+        let (mut a, mut b, mut c, mut d) = ([0i32; TOGETHER], [0i32; TOGETHER], [0i32; TOGETHER], [0i32; TOGETHER]);
+        for k in 0..TOGETHER {
+            (x[k], y[k]) = ((column as u32 >> 16) as i32, (row as u32 >> 16) as i32);
+            let at = (row >> 32) as usize * pace + (column >> 32) as usize * bands + plane.band;
+            let block = &data[at..at + pace + bands + 1];
+            (a[k], b[k]) = (block[0].level() as i32, block[bands].level() as i32);
+            (c[k], d[k]) = (block[pace].level() as i32, block[pace + bands].level() as i32);
+            (column, row) = (column + right, row + down);
+        }
+        // whole numbers below 2^53: as exact as in fixed point
+        for k in 0..TOGETHER {
+            let (x, y) = (f64::from(x[k]), f64::from(y[k]));
+            let upper = f64::from(a[k]) * PARTS + x * f64::from(b[k] - a[k]);
+            let lower = f64::from(c[k]) * PARTS + x * f64::from(d[k] - c[k]);
+            values[k] = (upper * PARTS + y * (lower - upper)) * (1.0 / ONE as f64);
+        }
+    }
+    for value in rest {
+        *value = plane.bilinear::<false>([column, row]);
+        (column, row) = (column + right, row + down);
     }
 }
 
@@ -112,86 +177,4 @@ pub fn luma<T: Grey>(data: &[T]) -> Vec<T> {
         T::try_from((299 * red + 587 * green + 114 * blue + 500) / 1000).unwrap_or_default()
     };
     data.chunks_exact(3).map(weigh).collect()
-}
-
-/// Only every second sample is looked at to find bright ones: of the three that can make a peak lit, one is among them.
-const STRIDE: usize = 2;
-/// Samples whose brightness is noted together, one bit each.
-const CHUNK: usize = u64::BITS as usize;
-
-/// Which samples of a ray are bright enough for a peak, and the bilinear brightness of those and their surroundings.
-pub struct Trace {
-    /// Brightness, NaN outside the picture; of no meaning beyond the margin of every stretch.
-    pub value: Vec<f64>,
-    /// Stretches of bright samples, first and last.
-    pub stretches: Vec<(usize, usize)>,
-}
-
-impl Trace {
-    pub fn new(samples: usize) -> Self {
-        Trace { value: vec![f64::NAN; samples], stretches: Vec::new() }
-    }
-
-    /// Reads `track` again into the same memory: stretches within `span` (first, end sample), `margin` samples more on each side.
-    pub fn read<T: Grey>(&mut self, plane: &Plane<T>, track: &Track, span: (usize, usize), gate: u32, margin: usize) {
-        let samples = self.value.len();
-        let (first, end) = track.inside(plane.width, plane.height, samples);
-        self.find_bright(plane, track, (first.max(span.0), end.min(span.1)), gate);
-        let mut next = 0;
-        for &(begin, last) in &self.stretches {
-            let (from, to) = (begin.saturating_sub(margin).max(next), (last + margin + 1).min(samples));
-            next = next.max(to);
-            let (known, unknown) = (from.max(first), to.min(end));
-            if from < known {
-                self.value[from..known.min(to)].fill(f64::NAN);
-            }
-            plane.interpolate(track, known, &mut self.value[known..unknown.max(known)]);
-            if unknown < to {
-                self.value[unknown.max(from)..to].fill(f64::NAN);
-            }
-        }
-    }
-
-    fn find_bright<T: Grey>(&mut self, plane: &Plane<T>, track: &Track, (first, end): (usize, usize), gate: u32) {
-        self.stretches.clear();
-        let first = first.next_multiple_of(STRIDE);
-        let count = end.saturating_sub(first).div_ceil(STRIDE);
-        if let Some((pixels, pace)) = plane.aligned(track, first) {
-            let mut pixels = pixels.iter().step_by(STRIDE * pace);
-            for begin in (0..count).step_by(CHUNK) {
-                let chunk = pixels.by_ref().take(CHUNK.min(count - begin)).enumerate();
-                let bright = chunk.fold(0u64, |bright, (k, pixel)| bright | u64::from(pixel.level() >= gate) << k);
-                self.stretches_of(bright, first + begin * STRIDE);
-            }
-            return;
-        }
-        let ([mut column, mut row], [right, down]) = (track.at(first), track.step.map(|step| step * STRIDE as i64));
-        for begin in (0..count).step_by(CHUNK) {
-            let mut bright = 0u64;
-            for k in 0..CHUNK.min(count - begin) {
-                let pixel = plane.data[plane.nearest_index([column, row])].level();
-                bright |= u64::from(pixel >= gate) << k;
-                (column, row) = (column + right, row + down);
-            }
-            self.stretches_of(bright, first + begin * STRIDE);
-        }
-    }
-
-    /// Notes the bright stretches of a chunk whose first sample is `first`.
-    fn stretches_of(&mut self, mut bright: u64, first: usize) {
-        while bright != 0 {
-            let skipped = bright.trailing_zeros() as usize;
-            let length = (bright >> skipped).trailing_ones() as usize;
-            bright &= u64::MAX.checked_shl((skipped + length) as u32).unwrap_or(0);
-            self.stretch(first + skipped * STRIDE, first + (skipped + length - 1) * STRIDE);
-        }
-    }
-
-    /// Notes a bright stretch, as part of the last one if it continues it.
-    fn stretch(&mut self, begin: usize, last: usize) {
-        match self.stretches.last_mut() {
-            Some(before) if before.1 + STRIDE == begin => before.1 = last,
-            _ => self.stretches.push((begin, last)),
-        }
-    }
 }

@@ -3,8 +3,9 @@
 use super::peak::{margin, Finder, Standing};
 use super::rays::Rays;
 use super::refine::Refiner;
-use super::sampling::{Grey, Plane, Trace};
+use super::sampling::{Grey, Plane};
 use super::settings::Settings;
+use super::trace::{Look, Trace};
 
 /// Candidates kept per ray.
 const MOST_PEAKS: usize = 4;
@@ -48,16 +49,16 @@ pub fn gate_of(settings: &Settings) -> u32 {
     settings.gate.ceil() as u32
 }
 
-/// Candidates of every ray, looked for within its span (first, end sample).
-pub fn scan<T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, span: impl Fn(usize) -> (usize, usize)) -> Candidates {
+/// Candidates of every ray, looked for where `look` says.
+pub fn scan<'a, T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, look: impl Fn(usize) -> Look<'a>) -> Candidates {
     let count = rays.rays.len();
     let (mut peaks, mut ends) = (Vec::with_capacity(count), Vec::with_capacity(count));
     let (mut trace, mut found) = (Trace::new(rays.samples), Vec::with_capacity(16));
-    let (finder, mut refiner) = (Finder::new(settings), Refiner::new(settings));
+    let (mut finder, mut refiner) = (Finder::new(settings), Refiner::new(settings));
     let (gate, margin) = (gate_of(settings), margin(settings));
     for (index, ray) in rays.rays.iter().enumerate() {
         found.clear();
-        trace.read(plane, &ray.track(), span(index), gate, margin);
+        trace.read(plane, &ray.track(), look(index), gate, margin);
         finder.standing(&trace, |peak| found.extend(refiner.place(&trace.value, &peak).map(|place| (peak, place))));
         if found.len() > 1 {
             found.sort_by(|(a, _): &(Standing, f64), (b, _)| b.height.total_cmp(&a.height));

@@ -1,6 +1,8 @@
-//! What the line says about its own noise: the scatter of neighbouring peaks (see the Python module `_scatter`).
+//! What the line says about its own noise: the scatter of neighbouring peaks (see the Python modules `_scatter` and `_features`).
 
-use super::statistics::median;
+use super::features::mean_square;
+use super::statistics::{median, middle_two};
+use super::vectors::{vectorised, Vectors};
 
 const NORMAL_HALF: f64 = 0.6745;
 /// Noise is independent beyond this many line widths along the line.
@@ -16,67 +18,110 @@ pub struct Scatter {
     pub correlation: Vec<f64>,
 }
 
+/// Places along a line and the variance of each; NaN where there is none.
+struct Places<'a> {
+    position: &'a [f64],
+    variance: Vec<f64>,
+    closed: bool,
+    vectors: Vectors,
+}
+
 fn forgotten(width: f64, spacing: f64) -> usize {
     (FORGOTTEN * width / spacing).ceil() as usize
 }
 
 /// Robust scatter about neighbours just beyond the reach of the noise correlation; infinite if there are too few.
-pub fn neighbour_scatter(position: &[f64], width: f64, spacing: f64) -> f64 {
-    let variance = vec![1.0; position.len()];
-    let ratio = ratio(position, &variance, forgotten(width, spacing).max(1), false, &mut Vec::new());
-    if ratio.is_finite() {
-        (ratio / SECOND_DIFFERENCE).sqrt()
-    } else {
-        f64::INFINITY
+pub fn neighbour_scatter(position: &[f64], width: f64, spacing: f64, vectors: Vectors) -> f64 {
+    let places = Places { position, variance: vec![1.0; position.len()], closed: false, vectors };
+    let mut squares = places.squares(forgotten(width, spacing).max(1), Vec::new());
+    match robust_square(&mut squares) {
+        Some((ratio, _)) => (ratio / SECOND_DIFFERENCE).sqrt(),
+        None => f64::INFINITY,
     }
 }
 
-/// Scale of the modelled uncertainty `u` and correlation of neighbours.
-pub fn observe(position: &[f64], u: &[f64], width: f64, spacing: f64, closed: bool) -> Scatter {
+/// Scale of the modelled uncertainty `u` and correlation of neighbours, freed of features of the wall where enough differences are left.
+pub fn observe(position: &[f64], u: &[f64], width: f64, spacing: f64, closed: bool, vectors: Vectors) -> Scatter {
     let far = forgotten(width, spacing).clamp(3, (position.len() / 16).max(3));
-    let variance: Vec<f64> = u.iter().map(|u| u * u).collect();
-    let mut buffer = Vec::with_capacity(position.len());
-    let ratios: Vec<f64> = (1..far + 3).map(|lag| ratio(position, &variance, lag, closed, &mut buffer)).collect();
-    if !ratios[far - 1].is_finite() {
-        return Scatter { scale: 1.0, correlation: Vec::new() };
+    let places = Places { position, variance: u.iter().map(|u| u * u).collect(), closed, vectors };
+    let (mut ratios, mut freed, mut squares) = (Vec::with_capacity(far + 2), Vec::with_capacity(far + 2), Vec::new());
+    for lag in 1..far + 3 {
+        squares = places.squares(lag, squares);
+        let (ratio, start) = robust_square(&mut squares).unwrap_or((f64::NAN, f64::NAN));
+        ratios.push(ratio);
+        freed.push(if start.is_nan() { start } else { mean_square(&squares, start, vectors) });
     }
     let mut beyond: Vec<f64> = ratios[far - 1..].iter().copied().filter(|r| !r.is_nan()).collect();
     let total = median(&mut beyond) / SECOND_DIFFERENCE;
-    if total == 0.0 {
+    if !ratios[far - 1].is_finite() || total == 0.0 {
         return Scatter { scale: 1.0, correlation: Vec::new() };
     }
+    let known = freed[far - 1..].iter().all(|square| !square.is_nan());
+    let calm = median(&mut freed[far - 1..].to_vec()) / SECOND_DIFFERENCE;
+    if known && calm > 0.0 && calm < f64::INFINITY {
+        return Scatter { scale: calm.sqrt(), correlation: correlation(&freed, calm, far) };
+    }
+    Scatter { scale: total.sqrt(), correlation: correlation(&ratios, total, far) }
+}
+
+/// Of neighbouring peaks at lags 1 to `far` - 1, from the mean squares `ratios` of second differences at those.
+fn correlation(ratios: &[f64], total: f64, far: usize) -> Vec<f64> {
     let mut correlation = vec![0.0; 2 * far + 1];
     for lag in (1..far).rev() {
         // var(p_i - (p_i-k + p_i+k) / 2) = (1.5 - 2 rho_k + rho_2k / 2) sigma^2
         let seen = if ratios[lag - 1].is_finite() { ratios[lag - 1] / total } else { SECOND_DIFFERENCE };
         correlation[lag] = ((SECOND_DIFFERENCE + 0.5 * correlation[2 * lag] - seen) / 2.0).clamp(0.0, HIGHEST);
     }
-    Scatter { scale: total.sqrt(), correlation: correlation[1..far].to_vec() }
+    correlation[1..far].to_vec()
 }
 
-/// Robust mean square of second differences at `lag` over the variance of their middle; NaN if too few.
-fn ratio(position: &[f64], variance: &[f64], lag: usize, closed: bool, squares: &mut Vec<f64>) -> f64 {
-    let count = position.len();
+/// Robust mean square, as the median tells it and as its upper neighbour does; none if too few. Reorders `squares`.
+fn robust_square(squares: &mut [f64]) -> Option<(f64, f64)> {
+    let of_median = |median: f64| median / (NORMAL_HALF * NORMAL_HALF);
+    (squares.len() >= FEWEST).then(|| {
+        let (lower, upper) = middle_two(squares);
+        (of_median(0.5 * (lower + upper)), of_median(upper))
+    })
+}
+
+impl Places<'_> {
+    /// The finite ones of the squared second differences at `lag` over the variance of their middle, in the memory of `squares`.
+    fn squares(&self, lag: usize, squares: Vec<f64>) -> Vec<f64> {
+        let (places, vectors) = (self, self.vectors);
+        vectorised!(vectors, squares_of(places: &Places<'_>, lag: usize, squares: Vec<f64>) -> Vec<f64>)
+    }
+}
+
+#[inline(always)]
+fn squares_of(places: &Places<'_>, lag: usize, mut squares: Vec<f64>) -> Vec<f64> {
+    let (position, variance, count) = (places.position, &places.variance[..], places.position.len());
     squares.clear();
-    if lag < count {
-        let mut add = |before: usize, i: usize, after: usize| {
-            let difference = position[i] - 0.5 * (position[before] + position[after]);
-            let square = variance[i] + 0.25 * (variance[before] + variance[after]);
-            let scaled = SECOND_DIFFERENCE * difference * difference / square;
-            if scaled.is_finite() {
-                squares.push(scaled);
-            }
-        };
-        for i in lag..count.saturating_sub(lag) {
-            add(i - lag, i, i + lag);
-        }
-        let ends = (0..lag.min(count)).chain(count.saturating_sub(lag).max(lag)..count);
-        for i in ends.filter(|_| closed) {
-            add((i + count - lag) % count, i, (i + lag) % count);
+    squares.resize(count, f64::NAN);
+    let square = |before: usize, i: usize, after: usize| {
+        let difference = position[i] - 0.5 * (position[before] + position[after]);
+        let square = variance[i] + 0.25 * (variance[before] + variance[after]);
+        SECOND_DIFFERENCE * difference * difference / square
+    };
+    if 2 * lag < count {
+        let middles = position[lag..].iter().zip(&variance[lag..]);
+        let befores = position.iter().zip(variance);
+        let afters = position[2 * lag..].iter().zip(&variance[2 * lag..]);
+        for (scaled, (((b, vb), (p, v)), (a, va))) in squares[lag..].iter_mut().zip(befores.zip(middles).zip(afters)) {
+            let difference = p - 0.5 * (b + a);
+            *scaled = SECOND_DIFFERENCE * difference * difference / (v + 0.25 * (vb + va));
         }
     }
-    if squares.len() < FEWEST {
-        return f64::NAN;
+    if places.closed {
+        for i in (0..lag.min(count)).chain(count.saturating_sub(lag).max(lag)..count) {
+            squares[i] = square((i + count - lag) % count, i, (i + lag) % count);
+        }
     }
-    median(squares) / (NORMAL_HALF * NORMAL_HALF)
+    let mut known = 0;
+    for at in 0..count {
+        let value = squares[at];
+        squares[known] = value;
+        known += usize::from(value.is_finite());
+    }
+    squares.truncate(known);
+    squares
 }

@@ -1,5 +1,7 @@
 //! Settings of one scan along rays (see the Python module `_estimators`).
 
+use super::vectors::Vectors;
+
 #[derive(Clone, Copy, PartialEq)]
 pub enum Estimator {
     ZeroCrossing,
@@ -46,6 +48,7 @@ pub struct Settings {
     pub threshold: f64,
     pub white: f64,
     pub window: usize,
+    pub vectors: Vectors,
 }
 
 impl Settings {

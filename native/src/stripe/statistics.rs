@@ -5,14 +5,16 @@ pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }
+    let (lower, upper) = middle_two(values);
+    0.5 * (lower + upper)
+}
+
+/// The middle two of some `values`, which are the same one for an odd count. Reorders `values`.
+pub fn middle_two(values: &mut [f64]) -> (f64, f64) {
     let middle = values.len() / 2;
     let even = values.len().is_multiple_of(2);
     let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    if even {
-        0.5 * (below.iter().copied().fold(f64::NEG_INFINITY, f64::max) + upper)
-    } else {
-        upper
-    }
+    (if even { below.iter().copied().fold(f64::NEG_INFINITY, f64::max) } else { upper }, upper)
 }
 
 /// Largest whole number not above `value`; saturates like a cast.
@@ -22,6 +24,13 @@ pub fn floor(value: f64) -> i64 {
     whole - i64::from((whole as f64) > value)
 }
 
+/// Nearest whole number, the even one of two; for values of less than 2^51.
+#[inline(always)]
+pub fn nearest_even(value: f64) -> i64 {
+    const SHIFT: f64 = 6755399441055744.0;
+    (value + SHIFT - SHIFT) as i64
+}
+
 /// How often each whole number occurs.
 pub struct Histogram {
     /// In turns, because a counter just written is slow to read again.
@@ -29,7 +38,7 @@ pub struct Histogram {
     total: usize,
 }
 
-const TURNS: usize = 4;
+const TURNS: usize = 8;
 
 impl Histogram {
     /// For the numbers 0 to `largest`.
@@ -37,12 +46,14 @@ impl Histogram {
         Histogram { counts: vec![[0; TURNS]; largest as usize + 1], total: 0 }
     }
 
-    #[inline(always)]
-    pub fn add(&mut self, value: u32) {
-        if let Some(counts) = self.counts.get_mut(value as usize) {
-            counts[self.total % TURNS] += 1;
-            self.total += 1;
+    /// Counts all `values`, none of which is larger than the largest.
+    pub fn add(&mut self, values: &[u32]) {
+        let (whole, rest) = values.as_chunks::<TURNS>();
+        for some in whole {
+            (0..TURNS).for_each(|turn| self.counts[some[turn] as usize][turn] += 1);
         }
+        rest.iter().for_each(|&value| self.counts[value as usize][0] += 1);
+        self.total += values.len();
     }
 
     /// The number at place total / `part` in ascending order; 0 of nothing.

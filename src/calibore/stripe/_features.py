@@ -3,7 +3,8 @@
 A median is robust, not blind: where a sixth of the rays lies on edges, dents and bevels, the median of squared second
 differences is a fifth too large, as if the whole line were noisier. Here differences beyond `CUT` standard deviations
 are left out instead, and the mean of the rest is corrected for what a normal distribution loses by that. It applies to
-the scale of all uncertainties and to the correlation of neighbouring points alike.
+the scale of all uncertainties and to the correlation of neighbouring points alike. The compiled kernel does the same
+in `native/src/stripe/{scatter,features}.rs`.
 """
 
 from dataclasses import replace

@@ -1,10 +1,14 @@
-"""Which kernel runs: the compiled one, or its NumPy twin where it was not built or is asked for."""
+"""Which kernel runs: the compiled one, or its NumPy twin where it was not built or is asked for.
+
+"scalar" is the compiled one without the vector instructions of the machine: the same numbers, for comparison.
+"""
 
 from importlib import import_module
 from typing import Any
 
 from calibore.errors import ImageError, UsageError
 from calibore.stripe._estimators import Estimator
+from calibore.stripe._features import freed_of_features
 from calibore.stripe._noise import NoiseModel
 from calibore.stripe._picture import Picture
 from calibore.stripe._rays import columns, compass, rows
@@ -18,16 +22,18 @@ except ImportError:  # a source tree that was never built: slower, same numbers
     _native = None
 
 DEFAULT_KERNEL = "numpy" if _native is None else "native"
+KERNELS = ("native", "scalar", "numpy")
 
 
 def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) -> Stripe:
     """The ring in `picture`, measured by `kernel`; raises ImageError where there is none."""
     if not _is_native(kernel):
-        return ring_numpy(picture, ring, estimator)
-    direction = compass(ring.count)
+        return freed_of_features(ring_numpy(picture, ring, estimator))
+    direction, place = compass(ring.count), (ring.centre, (ring.inner, ring.outer))
+    how = int(estimator), kernel != "scalar"
     try:
         arrays, noise, scale, centre = _native.detect_ring(
-            picture.image, picture.band, ring.centre, (ring.inner, ring.outer), direction, ring.counted, int(estimator)
+            picture.image, picture.band, *place, direction, ring.counted, *how
         )
     except ValueError as error:
         raise ImageError(str(error)) from None
@@ -38,16 +44,16 @@ def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) 
 def line_by(kernel: str, picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:
     """The line across `picture`, or `down` it, measured by `kernel`."""
     if not _is_native(kernel):
-        return line_numpy(picture, estimator, down=down)
-    arrays, noise, scale = _native.detect_line(picture.image, picture.band, int(estimator), down)
+        return freed_of_features(line_numpy(picture, estimator, down=down))
+    arrays, noise, scale = _native.detect_line(picture.image, picture.band, int(estimator), down, kernel != "scalar")
     u, v, u_position, status, height, correlation = arrays
     direction = (rows if down else columns)(picture.image.shape).direction
     return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale)
 
 
 def _is_native(kernel: str) -> bool:
-    if kernel not in ("native", "numpy"):
-        raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
-    if kernel == "native" and _native is None:
+    if kernel not in KERNELS:
+        raise UsageError(f'Kernel "{kernel}" is not known; choose "native", "scalar" or "numpy".')
+    if kernel != "numpy" and _native is None:
         raise UsageError('The native kernel was not built; build it with "maturin develop -r" or choose "numpy".')
-    return kernel == "native"
+    return kernel != "numpy"

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from calibore.errors import ImageError
 from calibore.stripe._centre import in_sectors
 from calibore.stripe._estimators import estimator_named
-from calibore.stripe._features import freed_of_features
 from calibore.stripe._kernel import DEFAULT_KERNEL, line_by, ring_by
 from calibore.stripe._picture import prepare
 from calibore.stripe._rays import check_annulus, compass
@@ -35,14 +34,14 @@ def detect_ring(
 
     `image` is uint8 or uint16; `channel` "red", "green", "blue" or "luma" of a colour image; `estimator` see
     `estimator_named`; `sectors` image azimuths (from, to) [rad] used for centring, e.g. those without features, None
-    uses all; `kernel` "native" or "numpy". Raises ImageError where there is no ring, InputError or UsageError where an
-    argument makes no sense.
+    uses all; `kernel` "native", "scalar" or "numpy". Raises ImageError where there is no ring, InputError or UsageError
+    where an argument makes no sense.
     """
     picture = prepare(image, channel)
     place, inner, outer = (float(centre[0]), float(centre[1])), float(inner), float(outer)
     check_annulus(place, inner, outer, rays)
     ring = Annulus(place, inner, outer, rays, _counted(rays, sectors))
-    stripe = freed_of_features(ring_by(kernel, picture, ring, estimator_named(estimator)))
+    stripe = ring_by(kernel, picture, ring, estimator_named(estimator))
     found = int(np.count_nonzero(stripe.found))
     if found < LEAST_RING * rays:
         raise ImageError(f"There is no laser ring in the image: a line was found on {found} of {rays} rays.")
@@ -62,7 +61,7 @@ def detect_line(
     `down`: the line runs down the image, one peak per row, as a side-facing head sees it. Other arguments as for
     `detect_ring`. A column or row without the line has a status and no value; no line at all is no error.
     """
-    return freed_of_features(line_by(kernel, prepare(image, channel), estimator_named(estimator), down=down))
+    return line_by(kernel, prepare(image, channel), estimator_named(estimator), down=down)
 
 
 def _counted(rays: int, sectors: Sequence[tuple[float, float]] | None) -> NDArray[np.bool_]:
