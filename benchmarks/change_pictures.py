@@ -1,4 +1,4 @@
-"""False alarms on unchanged pipes, from pictures: `python -m benchmarks change_pictures`, or with a number of pairs.
+"""False alarms on unchanged pipes, from pictures: `python -m benchmarks change_pictures`, or with a number of pairs and the first.
 
 Two surveys of one rough pipe with features, each by a rig drawn from what the rig file states, placed anew, its
 odometry begun elsewhere, in other light and noise: simulated, profiled and compared as the commands do. Pictures have
@@ -40,10 +40,12 @@ SMALLER = 0.625
 FALSE_ALARM = 0.05
 
 
-def report(pairs: str = "100") -> list[str]:
+def report(pairs: str = "100", first: str = "0") -> list[str]:
     """Markdown lines: how many pairs raised an alarm, and what was found there."""
-    every = [_compared(seed) for seed in range(int(pairs))]
-    alarms = {seed: one.changes.regions for seed, one in enumerate(every) if one.changes and one.changes.regions}
+    seeds = range(int(first), int(first) + int(pairs))
+    every = [_compared(seed) for seed in seeds]
+    found = dict(zip(seeds, every, strict=True))
+    alarms = {seed: one.changes.regions for seed, one in found.items() if one.changes and one.changes.regions}
     low, high = (f"{100 * limit:.1f}" for limit in _interval(len(alarms), len(every)))
     inside = np.concatenate([(np.abs(one.value) / one.u)[np.isfinite(one.value)] for one in every]) <= 1.96
     levels = [1e3 * np.nanmedian(one.changes.level_of_detection) for one in every if one.changes]
@@ -57,8 +59,8 @@ def report(pairs: str = "100") -> list[str]:
     for seed, regions in alarms.items():
         for one in regions:
             ring, position = (int(places[0]) for places in np.nonzero(one.cells))
-            missed = 1e3 * float(every[seed].difference.missed[ring, position])
-            peak = float(np.max(np.abs(every[seed].normalised[one.cells])))
+            missed = 1e3 * float(found[seed].difference.missed[ring, position])
+            peak = float(np.max(np.abs(found[seed].normalised[one.cells])))
             lines.append(
                 f"- alarm in pair {seed}: {one.points} points, {np.degrees(one.clock.value):.0f} deg, ring {ring}, "
                 f"{1e3 * one.mean.value:.2f} mm, {peak:.1f} u; between points {missed:.2f} mm may be missed"
