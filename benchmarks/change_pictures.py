@@ -1,4 +1,4 @@
-"""False alarms on unchanged pipes, from pictures: `python -m benchmarks change_pictures`, or with a number of pairs and the first.
+"""False alarms on unchanged pipes, from pictures: `python -m benchmarks change_pictures [pairs [first]]`.
 
 Two surveys of one rough pipe with features, each by a rig drawn from what the rig file states, placed anew, its
 odometry begun elsewhere, in other light and noise: simulated, profiled and compared as the commands do. Pictures have
