@@ -101,6 +101,13 @@ def _calibrations(workshop: Workshop) -> dict[tuple[str, str], Calibration]:
     return found
 
 
+def _keep_to_one_core() -> None:
+    """Linear algebra of every process would take all cores, and wait for the others'."""
+    from threadpoolctl import threadpool_limits
+
+    threadpool_limits(limits=1, user_api="blas")
+
+
 Apart = Callable[[Callable[[Item], Result], Sequence[Item]], Iterator[Result]]
 
 
@@ -111,5 +118,6 @@ def _processes(crew: Workers) -> Iterator[Apart]:
     if hands <= 1:
         yield map  # type: ignore[misc]
         return
-    with ProcessPoolExecutor(hands, mp_context=multiprocessing.get_context("spawn")) as pool:
+    fresh = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(hands, mp_context=fresh, initializer=_keep_to_one_core) as pool:
         yield pool.map  # type: ignore[misc]
