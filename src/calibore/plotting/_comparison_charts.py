@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from calibore.comparison import Compared
+from calibore.plotting._bands import bands_of
 from calibore.plotting._figures import (
     FAINT_INK,
     INK,
@@ -26,8 +27,8 @@ FACTOR = 1.96
 """Times u: half of a 95 % interval."""
 MOST_POINTS = 6000
 """Dots in a cloud."""
-BANDS, FEWEST = 30, 12
-"""Of the radius, for predicted intervals; points that one must hold."""
+BANDS = 30
+"""Of the radius, for predicted intervals."""
 
 
 def histogram_chart(found: Compared, *, unit: str = "mm") -> Figure:
@@ -73,7 +74,7 @@ def radius_chart(found: Compared, *, unit: str = "mm") -> Figure:
     )
     axes = figure.subplots()
     every = max(1, value.size // MOST_POINTS)
-    edges, half, reach = _by_radius(radius, value, u)
+    edges, half, reach = bands_of(radius, value, u, count=BANDS)
     axes.stairs(half, edges, baseline=-half, fill=True, color=UPPER_COLOUR, alpha=0.22, label="predicted, 95 %")
     axes.stairs(half, edges, baseline=-half, color=UPPER_COLOUR, linewidth=1.0)
     axes.plot(radius[::every], value[::every], ".", color=LOWER_COLOUR, markersize=2, alpha=0.5, label="points")
@@ -133,18 +134,6 @@ def _mixture(grid: Floats, u: Floats) -> Floats:
     """Density at `grid` (g,) of normal errors, each point with its own `u`, thinned to quantiles."""
     some = np.maximum(np.quantile(u, (np.arange(200) + 0.5) / 200), 1e-12)
     return np.mean(np.exp(-0.5 * (grid[:, None] / some) ** 2) / (some * np.sqrt(2 * np.pi)), axis=1)
-
-
-def _by_radius(radius: Floats, value: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
-    """Edges of bands of the radius, predicted and observed half width; NaN where a band holds too few points."""
-    edges = np.linspace(radius.min() - 1e-9, radius.max() + 1e-9, BANDS + 1)
-    band = np.clip(np.searchsorted(edges, radius, side="right") - 1, 0, BANDS - 1)
-    half, reach = np.full(BANDS, np.nan), np.full(BANDS, np.nan)
-    for number in range(BANDS):
-        some = band == number
-        if np.count_nonzero(some) >= FEWEST:
-            half[number], reach[number] = FACTOR * np.median(u[some]), np.quantile(np.abs(value[some]), 0.95)
-    return edges, half, reach
 
 
 def _legend(figure: Figure, axes: Axes) -> None:

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from calibore.experiment import EXACT, INCH, NOMINAL_RADIUS, SPREAD, TABLE_8_3, LaserOutcome, Outcome
+from calibore.plotting._bands import bands_of
 from calibore.plotting._design import DesignPicture
 from calibore.plotting._figures import (
     FAINT_INK,
@@ -20,10 +21,9 @@ from calibore.plotting._figures import (
 )
 from calibore.plotting._stations import Floats
 
-FACTOR = 1.96
 MOST_POINTS = 5000
-BANDS, FEWEST = 24, 12
-"""Of the radius; points that one must hold."""
+BANDS = 24
+"""Of the radius."""
 TURN, RISE = np.radians(32.0), np.radians(24.0)
 """From where a pipe is looked at in three dimensions."""
 
@@ -140,7 +140,7 @@ def radius_charts(lasers: Sequence[LaserOutcome]) -> Figure:
     for axes, laser in zip(panels, lasers, strict=False):
         one = laser.by_touch[EXACT]
         radius, value = one.radius / INCH, one.value / INCH
-        edges, half, reach = _bands(radius, value, one.u / INCH)
+        edges, half, reach = bands_of(radius, value, one.u / INCH, count=BANDS)
         axes.stairs(half, edges, baseline=-half, fill=True, color=UPPER_COLOUR, alpha=0.22, label="predicted, 95 %")
         some = _thinned(np.arange(radius.size))
         axes.plot(
@@ -176,16 +176,3 @@ def _thinned(order: np.ndarray) -> np.ndarray:
 def _cloud(axes: Axes, x: Floats, y: Floats, deviation: Floats) -> None:
     axes.scatter(x, y, c=deviation, s=1.2, cmap="cividis", vmin=-1.2, vmax=0.4, linewidths=0, rasterized=True)
     axes.set_aspect("equal")
-
-
-def _bands(radius: Floats, value: Floats, u: Floats) -> tuple[Floats, Floats, Floats]:
-    """Edges of bands of the radius, predicted and observed half width; NaN where a band holds too few points."""
-    edges = np.linspace(radius.min() - 1e-9, radius.max() + 1e-9, BANDS + 1)
-    band = np.clip(np.searchsorted(edges, radius, side="right") - 1, 0, BANDS - 1)
-    half, reach = np.full(BANDS, np.nan), np.full(BANDS, np.nan)
-    for number in range(BANDS):
-        some = band == number
-        if np.count_nonzero(some) >= FEWEST:
-            half[number] = FACTOR * np.median(u[some])
-            reach[number] = np.quantile(np.abs(value[some]), 0.95)
-    return edges, half, reach
