@@ -17,13 +17,12 @@ from calibore.calibration._boards._bundle import bundle
 from calibore.calibration._boards._fit import fit_boards
 from calibore.calibration._rig._gauges import fit_gauges
 from calibore.calibration._rig._range import fit_range
-from calibore.calibration._rig._values import value_of
 from calibore.calibration._rings._fit import final_fit, fit_all
 from calibore.calibration._rings._result import calibrated
 from calibore.fitting import region_contains
 from calibore.lasers import Plane
 from calibore.optics import LENS_LAWS
-from calibore.rigs import Laser, Rig, triangulate
+from calibore.rigs import Laser, Rig, triangulate, value_of
 
 PROBABILITY = 0.95
 CLOCKS = np.arange(4) * np.pi / 2 + 0.3

@@ -3,10 +3,9 @@
 import numpy as np
 from known_marks import flat_looks, gauge_look
 
-from calibore.calibration._rig._values import value_of
 from calibore.lasers import Cone, Plane, Sheet
 from calibore.optics import Camera, Lens
-from calibore.rigs import Laser, Rig, SideFacing, moved
+from calibore.rigs import Laser, Rig, SideFacing, moved, value_of
 
 INCH = 0.0254
 AIM, PIXELS = float(np.radians(19.9)), float(1 / np.radians(0.0175))

@@ -11,13 +11,12 @@ from calibore.calibration._rig._gauges import fit_gauges
 from calibore.calibration._rig._gauges_findings import radius_uncertainty
 from calibore.calibration._rig._references import AHEAD, FlatTarget, RingGauge
 from calibore.calibration._rig._stops import without_wrong_stops
-from calibore.calibration._rig._values import value_of, values_of
 from calibore.errors import InputError
 from calibore.fitting import region_contains
 from calibore.geometry import Pose
 from calibore.lasers import Cone, Plane
 from calibore.optics import Camera, Lens
-from calibore.rigs import Laser, Rig, moved, write_rig
+from calibore.rigs import Laser, Rig, moved, value_of, values_of, write_rig
 from calibore.simulation import PipeWall, Sensor, render_ring
 from calibore.simulation._files import write_png
 from calibore.uncertainty import Covariance

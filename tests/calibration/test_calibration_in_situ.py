@@ -9,9 +9,8 @@ from calibore.calibration._in_situ._fit import candidates, fit_in_situ
 from calibore.calibration._in_situ._pose import aligned
 from calibore.calibration._in_situ._words import in_situ_findings
 from calibore.calibration._rig._fit import fit_rig
-from calibore.calibration._rig._values import value_of
 from calibore.errors import InputError
-from calibore.rigs import moved
+from calibore.rigs import moved, value_of
 from calibore.uncertainty import Covariance
 
 POSE = np.array([0.02, 0.0003, -0.0004, 0.001, 0.0, 0.0])

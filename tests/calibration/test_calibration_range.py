@@ -16,12 +16,11 @@ from calibore.calibration._rig._range import fit_range
 from calibore.calibration._rig._range_findings import range_uncertainty
 from calibore.calibration._rig._references import FlatTarget
 from calibore.calibration._rig._stops import without_wrong_stops
-from calibore.calibration._rig._values import values_of
 from calibore.errors import InputError
 from calibore.fitting import region_contains
 from calibore.lasers import Sheet
 from calibore.optics import Camera, Lens
-from calibore.rigs import Laser, Rig, SideFacing, triangulate
+from calibore.rigs import Laser, Rig, SideFacing, triangulate, values_of
 from calibore.simulation import photograph_flat
 from calibore.simulation._files import write_png
 from calibore.uncertainty import Covariance

@@ -6,9 +6,8 @@ from known_marks import flat_looks, gauge_look
 
 from calibore.calibration._rig._model import RigModel, nearest_branches
 from calibore.calibration._rig._references import AHEAD, OUTWARDS, FlatTarget, RingGauge
-from calibore.calibration._rig._values import value_of, values_of
 from calibore.errors import InputError
-from calibore.rigs import moved
+from calibore.rigs import moved, value_of, values_of
 from calibore.simulation import random_rig
 
 STEP = 1e-6

@@ -12,7 +12,7 @@
 `measure`        -> `Measured`: millions of pixels to wall points with uncertainty, by the compiled engine
 `monte_carlo`    -> `Drawn`: the same by random draws of pixels and rig, near frontiers too
                  `adaptive_monte_carlo` -> `Settled`: until what it says no longer changes
-`moved`          the same rig with other values of its parameters
+`moved`          the same rig with other values of its parameters; `value_of`, `values_of`, `camera_value`: those it has
 `lit_points`     what a laser lights on a round wall
 `project_ring`   where a round wall would appear in the image
 """
@@ -34,6 +34,7 @@ from calibore.rigs._ring import project_ring
 from calibore.rigs._settling import Settled, adaptive_monte_carlo
 from calibore.rigs._triangulation import Sensitivities, Triangulation, triangulate
 from calibore.rigs._valid import ValidRegion
+from calibore.rigs._values import camera_value, value_of, values_of
 from calibore.rigs._writing import parts_toml, write_rig
 
 __all__ = [
@@ -58,6 +59,7 @@ __all__ = [
     "Triangulation",
     "ValidRegion",
     "adaptive_monte_carlo",
+    "camera_value",
     "follow_stripe",
     "lit_points",
     "margin",
@@ -72,5 +74,7 @@ __all__ = [
     "read_rig",
     "read_rig_or_camera",
     "triangulate",
+    "value_of",
+    "values_of",
     "write_rig",
 ]

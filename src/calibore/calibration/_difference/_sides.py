@@ -5,10 +5,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from calibore.calibration._calibration import Calibration
-from calibore.calibration._rig._values import values_of
 from calibore.errors import InputError
 from calibore.optics import Camera
-from calibore.rigs import KnownCamera, Rig, ValidRegion
+from calibore.rigs import KnownCamera, Rig, ValidRegion, values_of
 from calibore.uncertainty import Covariance
 
 WELL_KNOWN = float("inf")

@@ -10,12 +10,11 @@ from pydantic import ConfigDict, Field
 
 from calibore.calibration._calibration import Calibration, Comparison, Observations
 from calibore.calibration._input_files import InputFile
-from calibore.calibration._rig._values import value_of
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import InputError
 from calibore.lasers import Plane
 from calibore.optics import Camera
-from calibore.rigs import Laser, Rig, ValidRegion, read_camera, read_rig
+from calibore.rigs import Laser, Rig, ValidRegion, read_camera, read_rig, value_of
 from calibore.uncertainty import Covariance, Quantity
 
 AnyNumber = Annotated[float, Field(allow_inf_nan=True)]

@@ -12,8 +12,7 @@ from calibore.calibration._in_situ._marks import read_marks
 from calibore.calibration._in_situ._pose import aligned
 from calibore.calibration._in_situ._words import in_situ_findings, in_situ_warnings
 from calibore.calibration._rig._findings import observations_of, scatter_of, zeniths_of
-from calibore.calibration._rig._values import values_of
-from calibore.rigs import ValidRegion
+from calibore.rigs import ValidRegion, values_of
 
 
 def calibrate_profile(path: Path | str, *, progress: Callable[[int, int], None] | None = None) -> Calibration:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._rig._fit import RigFit
-from calibore.calibration._rig._values import values_of
+from calibore.rigs import values_of
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]

@@ -10,10 +10,9 @@ from calibore.calibration._in_situ._change import Change, change_of
 from calibore.calibration._in_words import word_of
 from calibore.calibration._rig._fit import RigFit, fit_rig, foreseen
 from calibore.calibration._rig._looks import Look
-from calibore.calibration._rig._values import value_of, values_of
 from calibore.errors import InputError
 from calibore.fitting import information_criteria
-from calibore.rigs import Rig, SideFacing
+from calibore.rigs import Rig, SideFacing, value_of, values_of
 from calibore.uncertainty import Covariance, Quantity
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from calibore.calibration._in_situ._pose import SETTING, Aligned
 from calibore.calibration._in_situ._wall import POSE
 from calibore.calibration._in_words import DEGREE, Unit, probability, unit_of, word_of
 from calibore.calibration._input_files import InputFile
-from calibore.calibration._rig._values import value_of
+from calibore.rigs import value_of
 
 FEW = 0.5
 """Fraction of marks compared below which people should know."""

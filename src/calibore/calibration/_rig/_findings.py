@@ -10,8 +10,7 @@ from calibore.calibration._evidence import of_fit
 from calibore.calibration._in_words import Unit, unit_of, word_of
 from calibore.calibration._rig._fit import RigFit
 from calibore.calibration._rig._stops import Suspect
-from calibore.calibration._rig._values import value_of
-from calibore.rigs import Triangulation
+from calibore.rigs import Triangulation, value_of
 from calibore.uncertainty import Covariance, propagate
 
 Array = NDArray[np.float64]

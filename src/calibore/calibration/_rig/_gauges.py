@@ -16,9 +16,8 @@ from calibore.calibration._rig._gauges_pictures import RingPictures, find_rings
 from calibore.calibration._rig._line_pictures import Progress
 from calibore.calibration._rig._looks import Look
 from calibore.calibration._rig._stops import Suspect, without_wrong_stops
-from calibore.calibration._rig._values import value_of, values_of
 from calibore.errors import InputError
-from calibore.rigs import CONFIGURATIONS, Rig, ValidRegion
+from calibore.rigs import CONFIGURATIONS, Rig, ValidRegion, value_of, values_of
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from calibore.calibration._rig._looks import Look
 from calibore.calibration._rig._references import Reference
-from calibore.calibration._rig._values import value_of
 from calibore.errors import InputError
-from calibore.rigs import Rig, meetings_of, moved, triangulate
+from calibore.rigs import Rig, meetings_of, moved, triangulate, value_of
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]

@@ -19,9 +19,8 @@ from calibore.calibration._rig._range_pictures import LinePictures, find_lines
 from calibore.calibration._rig._range_start import roughly
 from calibore.calibration._rig._references import FlatTarget
 from calibore.calibration._rig._stops import Suspect, without_wrong_stops
-from calibore.calibration._rig._values import value_of, values_of
 from calibore.errors import InputError
-from calibore.rigs import Rig, ValidRegion
+from calibore.rigs import Rig, ValidRegion, value_of, values_of
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]

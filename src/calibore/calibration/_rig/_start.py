@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.calibration._rig._model import RigModel, nearest_branches
-from calibore.calibration._rig._values import value_of
 from calibore.errors import InputError
-from calibore.rigs import Rig, margin, moved
+from calibore.rigs import Rig, margin, moved, value_of
 from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
