@@ -12,6 +12,8 @@ from calibore.lasers import Plane
 from calibore.optics import Camera, Lens
 from calibore.rigs import Laser, Rig
 from calibore.simulation import (
+    Band,
+    Finish,
     Harmonic,
     LineLight,
     Ovality,
@@ -183,3 +185,29 @@ def test_sixteen_bits_are_finer_than_eight():
 def test_an_impossible_sensor_is_refused(wrong):
     with pytest.raises(InputError):
         Sensor(**wrong)
+
+
+def drawn(rig, wall, pose, leaves):
+    """The line of so many leaves and its picture, without any noise."""
+    lit = lit_line(rig, wall, pipe_from_rig=pose, line=LineLight(leaves=leaves), psf_sigma=0.9)
+    shape = rig.camera.height, rig.camera.width
+    return lit, sum(line_image(part, shape, psf_sigma=0.9) for part in lit.imaged)
+
+
+def test_the_leaves_of_a_fan_make_up_its_light():
+    """Where the wall is smooth: to 1 % of the peak, for a plane and for a cone."""
+    rng = np.random.default_rng(12)
+    cone = random_rig(rng, R0, kind="single-cone")
+    for rig, pose in [(sine_rig(), POSE), (cone, random_pose(rng, cone, R0))]:
+        whole, leaves = (drawn(rig, WALL, pose, count)[1] for count in (1, 9))
+        assert np.abs(leaves - whole).max() < 0.01 * whole.max()
+
+
+def test_dirt_narrower_than_the_light_moves_a_line_of_many_leaves():
+    """A wall that is black from the middle of the line on shows the other half of it: its mean is 0.8 sigma away."""
+    black = PipeWall(R0, WALL.parts, Finish(stains=(Band((0.0, 0.1), reflectance=0.0, edge=1e-5),)))
+    pose = Pose.from_roll_pitch_yaw(translation=(0.0, 0.0, -0.33274))
+    (lit, clean), (_, dirty) = (drawn(sine_rig(), wall, pose, 32) for wall in (WALL, black))
+    seen, half = (centroids(sine_rig(), lit, image)[0].mean() for image in (clean, dirty))
+    assert dirty.sum() == pytest.approx(0.5 * clean.sum(), rel=0.02)
+    assert abs(half - seen) == pytest.approx(np.linalg.norm(lit.spread, axis=1).mean() * np.sqrt(2 / np.pi), rel=0.05)

@@ -38,10 +38,11 @@ class Fan:
     closed: bool = True
 
     @classmethod
-    def of(cls, rig: Rig, pipe_from_rig: Pose, *, laser: int) -> "Fan":
-        """The light of `laser`."""
+    def of(cls, rig: Rig, pipe_from_rig: Pose, *, laser: int, offset: float = 0.0) -> "Fan":
+        """The light of `laser`, or of a leaf of it that lies `offset` [m] beside its middle."""
         surface = rig.lasers[laser].surface
         source, *parts = _rays_of(surface)
+        source = source + offset * _beside(surface, *parts)
         turned = (pipe_from_rig.rotation @ part for part in parts)
         closed = not isinstance(surface, Sheet)
         return cls(surface, pipe_from_rig.inverse(), pipe_from_rig.apply(source), *turned, closed=closed)
@@ -82,6 +83,14 @@ def _rays_of(surface: LaserSurface) -> tuple[Array, Array, Array, Array]:
     raise InputError(
         f"The light of a {type(surface).__name__} draws no line on the wall; simulate planes, cones, sheets."
     )
+
+
+def _beside(surface: LaserSurface, along: Array, even: Array, odd: Array) -> Array:
+    """How far (3,) the source is moved to move all of the light 1 m at right angles to itself."""
+    if isinstance(surface, Cone):
+        return along / np.linalg.norm(along) / np.sin(surface.half_angle)
+    normal = np.cross(even, odd)
+    return normal / np.linalg.norm(normal)
 
 
 def distance_to_wall(wall: PipeWall, source: Array, rays: Array) -> Array:

@@ -1,6 +1,6 @@
 """The lit line: which wall points the laser reaches and the camera sees, where they are imaged, and how bright."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,8 @@ COARSE = 1024  # rays of the fan from which the line's length in the image is fo
 SPACING = 0.5  # px between neighbouring points of the line: well below the width of any image point
 MARGIN = 40.0  # px round the image beyond which nobody sees how dense the line's points are
 STEEPEST = 1e-3  # sine of the angle between light and wall below which a line grows no wider
+FEWEST_LEAVES, MOST_LEAVES = 7, 33  # fewer would lie further apart than they are thick
+LEAVES_REACH = 2.5  # standard deviations of the light from its middle to the outermost leaf
 PIXEL_VARIANCE = 1 / 12  # px^2, of one pixel's area in any direction
 
 
@@ -26,15 +28,22 @@ PIXEL_VARIANCE = 1 / 12  # px^2, of one pixel's area in any direction
 class LineLight:
     """A fan of laser light. `sigma` [m]: standard deviation of its thickness. `brightness`: peak of the line's image on
     the nominal wall as a fraction of full scale. `colour`: response of red, green and blue, for a laser of the red
-    channel. `shadows`: (clock, width) [rad] in the rig frame, where struts of the carriage cut the fan.
+    channel. `shadows`: (clock, width) [rad] in the rig frame, where struts of the carriage cut the fan. `leaves`: thin
+    sheets of which the fan is made; with one, the wall is taken to be the same over the thickness of the light, with
+    nine, edges and dirt narrower than the line change its profile.
     """
 
     sigma: float = 0.000635  # 1/e^2 half width 0.05 in, as the dissertation's lasers
     brightness: float = 0.6
     colour: tuple[float, float, float] = (1.0, 0.06, 0.035)
     shadows: tuple[tuple[float, float], ...] = ()
+    leaves: int = 1
 
     def __post_init__(self) -> None:
+        if self.leaves != 1 and not FEWEST_LEAVES <= self.leaves <= MOST_LEAVES:
+            raise InputError(
+                f"The light of a laser has 1 leaf, or {FEWEST_LEAVES} to {MOST_LEAVES} of them, got {self.leaves}."
+            )
         for name in ("sigma", "brightness"):
             if not 0 <= getattr(self, name) < np.inf:
                 raise InputError(f"{name} of a laser line must not be negative, got {getattr(self, name)}.")
@@ -46,6 +55,18 @@ class LineLight:
             lit &= np.abs(turned(clock, centre)) > width / 2
         return lit
 
+    def leaf_by_leaf(self) -> "tuple[tuple[float, LineLight], ...]":
+        """Distance [m] of every leaf from the middle of the fan, and its light; together they are Gaussian again."""
+        spacing = LEAVES_REACH * 2 * self.sigma / (self.leaves - 1)
+        offset = (np.arange(self.leaves) - (self.leaves - 1) / 2) * spacing
+        share = np.exp(-(offset**2) / (2 * (self.sigma**2 - spacing**2)))
+        share /= share.sum()
+        single = replace(self, leaves=1, sigma=spacing)
+        return tuple(
+            (float(d), replace(single, brightness=self.brightness * float(s)))
+            for d, s in zip(offset, share, strict=True)
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class LitLine:
@@ -53,7 +74,8 @@ class LitLine:
     the first. `points` (n, 3) [m] of the rig frame; `u`, `v` (n,) [px]; `spread` (n, 2) [px]: image of one standard
     deviation of the laser's thickness; `visible`: lit, seen and inside the image; `energy` (n,): light of each point as
     full scales x px^2; `signal` (n,): expected peak of the line as a fraction of full scale, 0 where not visible;
-    `stray`: the laser's light that reaches the picture elsewhere.
+    `stray`: the laser's light that reaches the picture elsewhere; `leaves`: the light of each leaf, where the fan has
+    several; they are imaged in place of the whole.
     """
 
     angle: Array
@@ -66,6 +88,12 @@ class LitLine:
     signal: Array
     closed: bool = True
     stray: "tuple[Stray, ...]" = ()
+    leaves: "tuple[Stray, ...]" = ()
+
+    @property
+    def imaged(self) -> "tuple[LitLine | Stray, ...]":
+        """What is drawn in the picture for it."""
+        return self.leaves or (self,)
 
     @property
     def clock(self) -> Array:
@@ -97,14 +125,30 @@ def lit_line(
     unit = _traced(rig, PipeWall(wall.nominal_radius), Pose.identity(), LineLight(line.sigma, 1.0), psf_sigma, laser)
     if not unit.visible.any():
         raise InputError("The camera sees nothing of a nominal wall lit by this laser; correct lens, baseline or k.")
-    gain = line.brightness / float(np.median(unit.signal[unit.visible]))
-    return _traced(rig, wall, pipe_from_rig, line, psf_sigma, laser, gain=gain)
+    unit_gain = 1 / float(np.median(unit.signal[unit.visible]))
+    gain = line.brightness * unit_gain
+    lit = _traced(rig, wall, pipe_from_rig, line, psf_sigma, laser, gain=gain)
+    if line.leaves == 1:
+        return lit
+    leaves = (
+        _traced(rig, wall, pipe_from_rig, leaf, psf_sigma, laser, gain=unit_gain * leaf.brightness, offset=offset)
+        for offset, leaf in line.leaf_by_leaf()
+    )
+    return replace(lit, leaves=tuple(Stray(leaf.u, leaf.v, leaf.spread, leaf.energy) for leaf in leaves))
 
 
 def _traced(
-    rig: Rig, wall: PipeWall, pose: Pose, line: LineLight, psf_sigma: float, laser: int, *, gain: float = 1.0
+    rig: Rig,
+    wall: PipeWall,
+    pose: Pose,
+    line: LineLight,
+    psf_sigma: float,
+    laser: int,
+    *,
+    gain: float = 1.0,
+    offset: float = 0.0,
 ) -> LitLine:
-    fan = Fan.of(rig, pose, laser=laser)
+    fan = Fan.of(rig, pose, laser=laser, offset=offset)
     angle = _evenly_imaged(rig, wall, fan)
     turn = _steps(angle, 2 * np.pi).mean(axis=0) if fan.closed else np.gradient(angle)
     pipe_points = fan.first_wall(wall, angle)

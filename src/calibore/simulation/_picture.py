@@ -77,9 +77,9 @@ def photograph_all(
     shape = rig.camera.height, rig.camera.width
     picture = np.zeros((*shape, 3), dtype=np.float32)
     for laser, lit in lines.items():
-        light = line_image(lit, shape, psf_sigma=sensor.psf_sigma)
-        for stray in lit.stray:
-            light += line_image(stray, shape, psf_sigma=sensor.psf_sigma)
+        light = np.zeros(shape, dtype=np.float32)
+        for part in (*lit.imaged, *lit.stray):
+            light += line_image(part, shape, psf_sigma=sensor.psf_sigma)
         box = _lit_box(light)
         light[box] *= speckle_field(
             light[box].shape,

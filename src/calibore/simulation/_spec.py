@@ -91,6 +91,7 @@ class LineTable(Document):
     brightness: Annotated[float, Strict(), Field(ge=0)] = LineLight.brightness
     colour: tuple[Number, Number, Number] = LineLight.colour
     shadows: tuple[_Shadow, ...] = ()
+    leaves: Annotated[int, Strict()] = LineLight.leaves
 
 
 class SensorTable(Document):
@@ -184,4 +185,4 @@ def _stations(motion: _Motion) -> tuple[Station, ...]:
 
 def light_of(line: LineTable) -> LineLight:
     shadows = tuple((one.clock, one.width) for one in line.shadows)
-    return LineLight(line.sigma, line.brightness, line.colour, shadows)
+    return LineLight(line.sigma, line.brightness, line.colour, shadows, line.leaves)

@@ -33,7 +33,8 @@ def seen_through(
         return lit
     passed = window.passes(lit.u, lit.v)
     caught = tuple(replace(one, energy=_caught(one, rig) * window.passes(one.u, one.v)) for one in stray)
-    return replace(lit, energy=lit.energy * passed, signal=lit.signal * passed, stray=caught)
+    leaves = tuple(replace(leaf, energy=leaf.energy * window.passes(leaf.u, leaf.v)) for leaf in lit.leaves)
+    return replace(lit, energy=lit.energy * passed, signal=lit.signal * passed, stray=caught, leaves=leaves)
 
 
 def _caught(stray: Stray, rig: Rig) -> Array:
