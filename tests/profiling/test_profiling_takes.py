@@ -91,3 +91,32 @@ def test_two_takes_too_thin_to_compare_count_as_one():
     combined, shared = combine_takes([ring(radius, U), ring(radius, U)])
     assert shared == 1.0
     np.testing.assert_allclose(combined.u[:20], U, rtol=1e-12)
+
+
+@pytest.mark.parametrize("count", [3, 5])
+def test_a_take_that_alone_contradicts_the_others_is_left_out(count):
+    """A glint in one of them, 40 u away over 30 positions: the result is that of the other takes."""
+    rings = takes(0.0, count=count, seed=9)
+    glint = slice(100, 130)
+    struck = rings[1].radius.copy()
+    struck[glint] += 40 * U
+    combined, _ = combine_takes([rings[0], ring(struck, U), *rings[2:]])
+    error = (combined.radius - 0.15)[glint]
+    assert np.sqrt(np.mean(error**2)) == pytest.approx(U / np.sqrt(count - 1), rel=0.3)
+    assert np.all(combined.u[glint] < 1.3 * U / np.sqrt(count - 1))
+
+
+def test_two_against_two_and_one_against_one_stay_a_disagreement():
+    """Nobody can say who is wrong, so the interval covers both."""
+    for count in (2, 4):
+        rings = takes(0.0, count=count, seed=10)
+        wrong = [ring(one.radius + 40 * U, U) for one in rings[: count // 2]]
+        combined, _ = combine_takes([*wrong, *rings[count // 2 :]])
+        assert np.all(combined.u > 15 * U)
+
+
+def test_takes_of_the_same_wall_are_not_left_out_by_chance():
+    for seed in range(5):
+        rings = takes(0.0, count=3, seed=20 + seed)
+        combined, _ = combine_takes(rings)
+        assert combined.u == pytest.approx(U / np.sqrt(3), rel=0.15)

@@ -38,6 +38,9 @@ def profile(
     workers: Workers = None,
     scheduler: Scheduler = None,
     unit: UnitName = "mm",
+    spacetime: Annotated[
+        bool, typer.Option("--spacetime", help="Follow places through pictures closer together than the line is thick.")
+    ] = False,
     pictures: Annotated[bool, typer.Option(help="Draw the pictures and the report.")] = True,
     exports: Annotated[
         list[str] | None, typer.Option("--export", help="Also write: text3, csv, netcdf, ply, las or laz (repeatable).")
@@ -54,7 +57,7 @@ def profile(
         options: dict[str, Any] = {"finisher": made.put_beside(finish), "probe": made.probe} if made else {}
         with progress_bar("Profiling", quiet=json) as progress:
             options = {"finisher": finish, "workers": crew, "progress": progress} | options
-            summary = profile_scan(scan, out, estimator=estimator, **options)
+            summary = profile_scan(scan, out, estimator=estimator, spacetime=spacetime, **options)
     tell(summary, out, unit=unit, json=json)
     if summary["counts"].get("refused_images") or summary["counts"].get("refused_readings"):
         raise typer.Exit(PARTLY_REFUSED)

@@ -2,7 +2,7 @@
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from calibore.profiling._lasers import check_told_apart
 from calibore.profiling._measured import Example, Measured, Measurement, Progress
 from calibore.profiling._placement import Placement, Placer, open_source
 from calibore.profiling._side import side_measurement
+from calibore.profiling._spacetime import Window, spacetime_reach, swept, windows
 from calibore.profiling._station import (
     StationLines,
     StationRefusedError,
@@ -29,6 +30,8 @@ from calibore.profiling._tactile import tactile_measurement
 from calibore.rigs import FORWARD, Probe, Rig, read_rig
 from calibore.scans import ResultWriter, ScanSpec, read_scan
 from calibore.stripe import estimator_named
+
+_Item = tuple[StationImages, Placement] | tuple[StationImages, Placement, Window]
 
 
 class Finisher(Protocol):
@@ -107,16 +110,18 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
 
 
 def measure_scan(
-    job: Job, source: ImageSource, place: Placer, *, workers: Workers, tally: Tally
+    job: Job, source: ImageSource, place: Placer, *, workers: Workers, tally: Tally, sweep: float | None = None
 ) -> Iterator[StationResult]:
     """Every usable station in order; what could not be used is counted and named in `tally`.
 
     Threads find lines, which they do side by side; the rest would wait for Python's lock. Other machines do all of it.
+    `sweep` [m]: how far along the pipe the light is followed over a place (`spacetime_reach`); None: no further.
     """
     reading = _Reading(source, place, tally)
+    stops = reading if sweep is None else windows(reading, sweep)
     work = partial(_measured if isinstance(workers, Cluster) else _found, job)
     placements: deque[Placement] = deque()
-    for found in in_order(_noting(reading, placements), work, workers=workers):
+    for found in in_order(_noting(stops, placements), work, workers=workers):
         placement = placements.popleft()
         result = _evaluated(found, placement, job) if isinstance(found, StationLines) else found
         if isinstance(result, StationRefusedError):
@@ -127,18 +132,19 @@ def measure_scan(
     tally.leave_out(reading.unplaced, source.refusals, expected=place.expected)
 
 
-def _noting(reading: "_Reading", placements: deque[Placement]) -> Iterator[tuple[StationImages, Placement]]:
-    for images, placement in reading:
-        placements.append(placement)
-        yield images, placement
+def _noting(stops: Iterable[_Item], placements: deque[Placement]) -> Iterator[_Item]:
+    for item in stops:
+        placements.append(item[1])
+        yield item
 
 
-def _found(job: Job, item: tuple[StationImages, Placement]) -> StationLines:
-    return find_lines(item[0], job)
+def _found(job: Job, item: _Item) -> StationLines:
+    lines = find_lines(item[0], job)
+    return swept(lines, item[2], job) if len(item) > 2 else lines
 
 
-def _measured(job: Job, item: tuple[StationImages, Placement]) -> StationResult | StationRefusedError:
-    return _evaluated(find_lines(item[0], job), item[1], job)
+def _measured(job: Job, item: _Item) -> StationResult | StationRefusedError:
+    return _evaluated(_found(job, item), item[1], job)
 
 
 def _evaluated(lines: StationLines, placement: Placement, job: Job) -> StationResult | StationRefusedError:
@@ -157,18 +163,21 @@ def profile_scan(
     progress: Progress | None = None,
     finisher: Finisher | None = None,
     probe: Probe | Path | str | None = None,
+    spacetime: bool = False,
 ) -> dict[str, Any]:
     """Measure the scan folder `scan`, write the result folder `out` (formats.md, section 4), return its summary.
 
-    `probe`, or its file, is for tactile scans, where it is not the one that scan.toml names.
+    `probe`, or its file, is for tactile scans, where it is not the one that scan.toml names. `spacetime`: follow every
+    place of the wall through the pictures in which the light sweeps over it, for steps smaller than the line is thick.
     `summary["skipped"]` names the images that could not be used. Raises InputError where nothing can be measured,
     OutputError where the result cannot be written; `out` then is as it was.
     """
     spec = read_scan(Path(scan))
-    touching = {"probe": probe} if spec.kind == "tactile" else {}
-    measure = MEASUREMENTS[spec.kind](
-        spec, estimator=estimator, workers=workers or os.cpu_count() or 1, progress=progress, **touching
-    )
+    if spacetime and spec.kind != "forward-looking":
+        raise InputError(f"{spec.folder} is a {spec.kind} scan; spacetime analysis is for rings ahead of the camera.")
+    of_kind: dict[str, dict[str, Any]] = {"tactile": {"probe": probe}, "forward-looking": {"spacetime": spacetime}}
+    options = {"estimator": estimator, "workers": workers or os.cpu_count() or 1, "progress": progress}
+    measure = MEASUREMENTS[spec.kind](spec, **options, **of_kind.get(spec.kind, {}))
     with ResultWriter(out, spec) as writer:
         measured = measure(writer)
         folder = writer.seal()
@@ -178,20 +187,24 @@ def profile_scan(
     return measured.summary
 
 
-def forward_measurement(spec: ScanSpec, *, estimator: str, workers: Workers, progress: Progress | None) -> Measurement:
+def forward_measurement(
+    spec: ScanSpec, *, estimator: str, workers: Workers, progress: Progress | None, spacetime: bool = False
+) -> Measurement:
     """The measurement of a forward-looking scan, everything checked that can be before its first image is read."""
     job, source, place = prepare(spec, estimator=estimator)
+    sweep = spacetime_reach(source, place, job, where=str(spec.folder)) if spacetime else None
 
     def measure(writer: ResultWriter) -> Measured:
         tally, example = Tally(), None
-        for result in measure_scan(job, source, place, workers=workers, tally=tally):
+        for result in measure_scan(job, source, place, workers=workers, tally=tally, sweep=sweep):
             writer.add(result.profile, result.points, result.row)
             example = example or (result.first_image(), result.lines[0].stripe)
             if progress:
                 progress(tally.stations, source.expected_stations)
         if tally.stations == 0:
             raise InputError(tally.nothing_left(spec.folder))
-        return Measured(summarise(spec, job, tally), job.rig, example)
+        summary = summarise(spec, job, tally) | ({"spacetime_reach_m": sweep} if spacetime else {})
+        return Measured(summary, job.rig, example)
 
     return measure
 

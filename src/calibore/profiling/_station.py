@@ -49,11 +49,14 @@ class StationRefusedError(ImageError):
 
 
 class Line(NamedTuple):
-    """The line of `laser` in one `take`."""
+    """The line of `laser` in one `take`. `displacement` (n, 3) [m], rig frame: how far its points lie from where they
+    would if the rig had stood still.
+    """
 
     take: int
     laser: int
     stripe: Stripe
+    displacement: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,8 @@ def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> Sta
     used: list[Line] = []
     for line in lines.lines:
         try:
-            takes.append(place_on_wall(line.stripe, job.rig, laser=line.laser, prior_radius=job.nominal_radius))
+            take = place_on_wall(line.stripe, job.rig, laser=line.laser, prior_radius=job.nominal_radius)
+            takes.append(take if line.displacement is None else take.displaced(line.displacement))
             used.append(line)
         except ImageError as error:
             refused.append(refusal_of(images.name(line.take), error))

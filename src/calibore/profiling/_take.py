@@ -1,6 +1,6 @@
 """One line in one image of one station: triangulate it, say how well each point is known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,11 @@ class TakePoints:
     stripe: Stripe
     laser: int = 0
     enlargement: Array | float = 1.0
+
+    def displaced(self, by: Array) -> "TakePoints":
+        """The same with its points moved `by` (n, 3) [m], a little, in the rig frame."""
+        points = replace(self.points, points=self.points.points + by)
+        return replace(self, points=points, clock=_every_clock(points.clock))
 
 
 def place_on_wall(stripe: Stripe, rig: Rig, *, laser: int = 0, prior_radius: float | None = None) -> TakePoints:

@@ -2,7 +2,7 @@
 
 Repeated images of one wall share their speckle, so their mean is not as good as 1/sqrt(n) promises. How much they share
 is seen in their differences: two takes whose difference scatters with s^2 times the sum of their variances have the
-correlation 1 - s^2.
+correlation 1 - s^2. A take that alone contradicts all others is left out (`_consensus`).
 """
 
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore.profiling._consensus import agreeing
 from calibore.profiling._grid import Ring
 from calibore.status import Status
 
@@ -75,11 +76,12 @@ def combine_takes(rings: list[Ring]) -> tuple[Ring, float]:
 
 
 def mixed(radius: Array, u: Array, statuses: NDArray[np.uint8], *, otherwise: float = 1.0) -> Mixture:
-    """The takes of `radius` (t, n), NaN where they have none, weighted by their independent `u` (t, n); `otherwise`:
-    their correlation, where they share too few positions to tell.
+    """The takes of `radius` (t, n), NaN where they have none, weighted by their independent `u` (t, n); one that alone
+    contradicts the others is left out. `otherwise`: their correlation, where they share too few positions to tell.
     """
     shared = correlation_of(radius, u, otherwise=otherwise)
-    seen = np.isfinite(radius)
+    seen = agreeing(radius, u)
+    radius = np.where(seen, radius, np.nan)
     weight = np.where(seen, 1 / np.maximum(u, 1e-12) ** 2, 0.0)
     total = weight.sum(axis=0)
     found = total > 0
