@@ -1,9 +1,10 @@
-//! Stripe kernels, meetings of rays with surfaces of light, and image decoding for `calibore`; no domain logic. Every kernel has a NumPy twin in Python that is its specification.
+//! Stripe kernels, meetings of rays with surfaces of light, quantities of rings, and image decoding for `calibore`. Every kernel has a NumPy twin in Python that is its specification.
 
 use pyo3::prelude::*;
 
 mod decode;
 mod meeting;
+mod rings;
 mod stripe;
 
 #[pymodule]
@@ -11,5 +12,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     decode::register(module)?;
     meeting::register(module)?;
+    rings::register(module)?;
     stripe::register(module)
 }

@@ -2,7 +2,7 @@
 
 mod camera;
 mod cone;
-mod dispatch;
+pub mod dispatch;
 mod drawing;
 mod draws;
 mod flat;

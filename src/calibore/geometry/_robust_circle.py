@@ -1,5 +1,6 @@
 """A circle that foreign points do not pull: least median of squares, then iteratively re-weighted distances."""
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,8 +79,13 @@ def _triples(points: Array) -> NDArray[np.intp]:
     order = np.argsort(np.arctan2(points[:, 0] - centre[0], centre[1] - points[:, 1]), kind="stable")
     first = np.linspace(0, n, TRIPLES_PER_SPREAD, endpoint=False)
     spread = [np.stack([first, first + b * n, first + c * n], axis=1) for b, c in SPREADS]
-    drawn = np.random.default_rng(0).integers(0, n, (RANDOM_TRIPLES, 3))
-    return order[np.concatenate([np.concatenate(spread).astype(np.intp) % n, drawn])]
+    return order[np.concatenate([np.concatenate(spread).astype(np.intp) % n, drawn_triples(n)])]
+
+
+@lru_cache(maxsize=64)
+def drawn_triples(n: int) -> NDArray[np.int64]:
+    """Indices (m, 3) of triples of `n` points, the same every time."""
+    return np.random.default_rng(0).integers(0, n, (RANDOM_TRIPLES, 3))
 
 
 def _through(triples: Array) -> Array:

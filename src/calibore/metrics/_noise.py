@@ -76,9 +76,11 @@ def orthonormal_draws(size: int) -> Array:
     return np.concatenate([draws, -draws])
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def plain_draws(rows: int, size: int) -> Array:
     """(rows, size) fixed antithetic standard normal draws with unit sample variance."""
+    if size == 0:
+        return np.zeros((rows, 0))
     draws = np.random.default_rng(SEED + 1).standard_normal((rows // 2, size))
     draws /= np.sqrt(np.mean(draws**2, axis=0))
     return np.concatenate([draws, -draws])

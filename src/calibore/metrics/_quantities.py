@@ -11,18 +11,13 @@ quantity over walls that agree with the data, the common modes drawn with each w
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
-
 from calibore.errors import InputError
 from calibore.metrics import _definitions as definitions
-from calibore.metrics._draws import WallGrid, regular_size, wall_grid
+from calibore.metrics._engine import DEFAULT_KERNEL, findings_of
+from calibore.metrics._findings import Findings
 from calibore.metrics._shape import RingShape
-from calibore.metrics._sizes import EXTREMES, OVALITIES, corrected_extremes, linear_sizes, second_harmonic
-from calibore.metrics._wall import Wall, estimate_wall
+from calibore.metrics._sizes import EXTREMES, OVALITIES
 from calibore.uncertainty import Quantity
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 LEAST_POINTS = 8
 WIDEST_GAP = 1.5 * np.pi  # a quarter of the turn must be seen
@@ -81,11 +76,14 @@ class RingQuantities:
     flags: tuple[str, ...]
 
 
-def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0) -> RingQuantities:
+def ring_quantities(
+    ring: RingShape, *, nominal_radius: float, roll: float = 0.0, kernel: str = DEFAULT_KERNEL
+) -> RingQuantities:
     """The quantities of `ring`; `nominal_radius` [m], `roll` [rad]: pipe clock = clock + roll.
 
     Ovality as ASTM F1216, as range over mean and from the second harmonic, deflection as AASHTO; see `RingQuantities`
-    for each definition, the module for the bias correction. Raises InputError for an impossible nominal radius or roll.
+    for each definition, the module for the bias correction. `kernel` "numpy" runs the twin of the compiled one. Raises
+    InputError for an impossible nominal radius or roll.
     """
     if not (np.isfinite(nominal_radius) and nominal_radius > 0):
         raise InputError(f"nominal_radius must be a positive length in m, got {nominal_radius:g}.")
@@ -96,38 +94,20 @@ def ring_quantities(ring: RingShape, *, nominal_radius: float, roll: float = 0.0
         return _nothing(ring, "few-points")
     if _widest_gap(ring) > WIDEST_GAP:
         return _nothing(ring, "arc-too-short")
-    wall = _wall_or_none(ring)
-    if wall is None:
+    of = findings_of(ring, roll=roll, kernel=kernel)
+    if of is None:
         return _nothing(ring, "no-circle")
-    size = regular_size(ring.clock.size)
-    axes = np.array([0.5, 1.5, 0.0, 1.0]) * np.pi - roll
-    angles = np.concatenate([2 * np.pi * np.arange(size) / size, axes])
-    grid = wall_grid(wall, ring, angles=angles, regular=size)
-    both = grid.covered[: size // 2] & grid.covered[size // 2 : size]
-    flags = _flags(wall, ring, grid, both)
-    found = _measurable(
-        _in_metres(linear_sizes(grid) | corrected_extremes(grid, both) | second_harmonic(grid), wall.scale), grid, flags
-    )
-    found |= _clocks(grid, both, found, roll=roll) | _deflections(found, 2 * nominal_radius) | _circle(wall, grid)
+    flags = _flags(of, count)
+    found = _measurable(_in_metres(of.wall, of.scale), of, flags)
+    found |= _clocks(of, found, roll=roll) | _deflections(found, 2 * nominal_radius) | _circle(of)
     return RingQuantities(
         **found,
         deflection_clock=found["diameter_min_clock"],
-        points=int(wall.used.sum()),
-        fraction_measured=float(ring.measured.mean()),
-        fraction_directions=float(both.mean()),
+        points=of.points,
+        fraction_measured=count / ring.clock.size,
+        fraction_directions=of.directions,
         flags=tuple(flags),
     )
-
-
-def _wall_or_none(ring: RingShape) -> Wall | None:
-    """The wall, or None where the points do not go round one centre that the rig is inside of."""
-    try:
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # judged below
-            wall = estimate_wall(ring)
-    except (InputError, np.linalg.LinAlgError):
-        return None
-    inside = np.hypot(*wall.centre) < 1 and 0.5 < wall.fit.coefficients[0] < 2
-    return wall if inside and np.isfinite(wall.fit.coefficients).all() else None
 
 
 def _in_metres(found: dict[str, tuple[float, float]], scale: float) -> dict[str, Quantity]:
@@ -136,12 +116,12 @@ def _in_metres(found: dict[str, tuple[float, float]], scale: float) -> dict[str,
     return {name: Quantity(value * units[name], u * units[name]) for name, (value, u) in found.items()}
 
 
-def _measurable(found: dict[str, Quantity], grid: WallGrid, flags: list[str]) -> dict[str, Quantity]:
+def _measurable(found: dict[str, Quantity], of: Findings, flags: list[str]) -> dict[str, Quantity]:
     """`found` without what could not be measured; adds the flags that say so."""
     if "extremes-not-measurable" in flags:
         found |= dict.fromkeys(EXTREMES, NOTHING)
-    for name, ends in (("horizontal", slice(-4, -2)), ("vertical", slice(-2, None))):
-        if not grid.covered[ends].all():
+    for name, seen in (("horizontal", of.horizontal), ("vertical", of.vertical)):
+        if not seen:
             found[f"diameter_{name}"] = NOTHING
             flags.append(f"{name}-not-measured")
     if found["ovality_range"].value < 2 * found["ovality_range"].u:
@@ -149,10 +129,12 @@ def _measurable(found: dict[str, Quantity], grid: WallGrid, flags: list[str]) ->
     return found
 
 
-def _clocks(grid: WallGrid, both: Mask, found: dict[str, Quantity], *, roll: float) -> dict[str, Quantity]:
-    ends = {"diameter_min": -1, "diameter_max": 1}
+def _clocks(of: Findings, found: dict[str, Quantity], *, roll: float) -> dict[str, Quantity]:
     measurable = np.isfinite(found["diameter_min"].value)
-    return {f"{k}_clock": _clock(grid, both, sign, roll=roll) if measurable else NOTHING for k, sign in ends.items()}
+    return {
+        name: Quantity(float(np.mod(value + roll, np.pi)), u) if measurable else NOTHING
+        for name, (value, u) in of.clocks.items()
+    }
 
 
 def _deflections(found: dict[str, Quantity], nominal_diameter: float) -> dict[str, Quantity]:
@@ -163,44 +145,25 @@ def _deflections(found: dict[str, Quantity], nominal_diameter: float) -> dict[st
     }
 
 
-def _circle(wall: Wall, grid: WallGrid) -> dict[str, Quantity]:
+def _circle(of: Findings) -> dict[str, Quantity]:
     """The fitted centre, and the diameter of the circle about it: the zeroth harmonic of the smooth wall."""
-    variance = np.maximum(np.diag(wall.fit.covariance), 0.0)  # rounding may leave the least one negative
-    common = np.sum(grid.centre_modes**2, axis=0)
-    common_radius = np.sum(grid.modes[:, : grid.regular].mean(axis=1) ** 2)
-    u_x, u_y, u_radius = wall.scale * np.sqrt(
-        [variance[2] + common[0], variance[1] + common[1], variance[0] + common_radius]
-    )
-    x, y = wall.scale * wall.centre
+    (x, u_x), (y, u_y), (radius, u_radius) = of.circle
     return {
-        "centre_x": Quantity(float(x), float(u_x)),
-        "centre_y": Quantity(float(y), float(u_y)),
-        "diameter_circle": Quantity(2 * wall.scale * float(wall.fit.coefficients[0]), 2 * float(u_radius)),
+        "centre_x": Quantity(of.scale * x, of.scale * u_x),
+        "centre_y": Quantity(of.scale * y, of.scale * u_y),
+        "diameter_circle": Quantity(2 * of.scale * radius, 2 * of.scale * u_radius),
     }
 
 
-def _clock(grid: WallGrid, both: Mask, sign: int, *, roll: float) -> Quantity:
-    """Pipe clock of the largest (sign 1) or smallest (-1) diameter, in [0, pi), and how far it may be off."""
-    curve, others = sign * grid.diameters("best")[0], sign * grid.diameters("possible")
-    half = curve.size
-    place = int(np.argmax(np.where(both, curve, -np.inf)))
-    before, here, after = curve[place - 1], curve[place], curve[(place + 1) % half]
-    bend = 2 * here - before - after
-    peak = place + (0.5 * (after - before) / bend if bend > 0 and max(before, after) <= here else 0.0)
-    away = np.mod(np.argmax(np.where(both, others, -np.inf), axis=1) - peak + half / 2, half) - half / 2
-    step = np.pi / half
-    return Quantity(float(np.mod(peak * step + roll, np.pi)), float(np.sqrt(np.mean(away**2) + 1 / 12) * step))
-
-
-def _flags(wall: Wall, ring: RingShape, grid: WallGrid, both: Mask) -> list[str]:
+def _flags(of: Findings, measured: int) -> list[str]:
     conditions = {
-        "few-points": ring.measured.sum() < FEW_POINTS,
-        "gap": not grid.covered.all(),
-        "off-centre": np.hypot(*wall.centre) > OFF_CENTRE,
-        "extremes-not-measurable": both.mean() < LEAST_DIRECTIONS,
-        "features": wall.features_mask.any(),
-        "lone-points": wall.used.sum() < ring.measured.sum(),
-        "noise-above-stated": wall.excess_noise > 1,
+        "few-points": measured < FEW_POINTS,
+        "gap": of.gap,
+        "off-centre": np.hypot(of.circle[0][0], of.circle[1][0]) > OFF_CENTRE,
+        "extremes-not-measurable": of.directions < LEAST_DIRECTIONS,
+        "features": of.features,
+        "lone-points": of.points < measured,
+        "noise-above-stated": of.excess_noise > 1,
     }
     return [name for name, holds in conditions.items() if holds]
 
