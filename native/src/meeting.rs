@@ -10,12 +10,13 @@ mod functions;
 mod intervals;
 mod lanes;
 mod lens;
-mod measure;
-mod modes;
+pub mod measure;
+pub mod modes;
 mod mount;
+pub mod placing;
 mod points;
 mod random;
-mod rig;
+pub mod rig;
 mod surface;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2, PyUntypedArrayMethods};
@@ -28,25 +29,25 @@ use measure::{Choice, Pixels, Shared, COLUMNS};
 use modes::{Mode, MODE};
 use rig::Make;
 
-type Numbers<'py> = PyReadonlyArray1<'py, f64>;
+pub type Numbers<'py> = PyReadonlyArray1<'py, f64>;
 /// Kind of surface, whether the camera faces sideways, lens law, half image height, whether the lens has a residual.
-type Makes = (u8, bool, u8, f64, bool);
+pub type Makes = (u8, bool, u8, f64, bool);
 
-fn make_of(make: Makes) -> PyResult<Make> {
+pub fn make_of(make: Makes) -> PyResult<Make> {
     let (kind, side_facing, law, half_height, residual) = make;
     Make::new(kind, side_facing, law, half_height, residual).ok_or_else(|| PyValueError::new_err("no such surface or lens law"))
 }
 
-fn fits(length: usize, points: usize) -> PyResult<()> {
+pub fn fits(length: usize, points: usize) -> PyResult<()> {
     if length == 1 || length == points {
         return Ok(());
     }
     Err(PyValueError::new_err(format!("{length} numbers do not fit {points} points")))
 }
 
-type Directions<'py> = Option<(Numbers<'py>, Numbers<'py>)>;
+pub type Directions<'py> = Option<(Numbers<'py>, Numbers<'py>)>;
 
-fn directions<'a>(direction: &'a Directions, points: usize) -> PyResult<Option<[&'a [f64]; 2]>> {
+pub fn directions<'a>(direction: &'a Directions, points: usize) -> PyResult<Option<[&'a [f64]; 2]>> {
     match direction {
         Some((u, v)) if u.len() == points && v.len() == points => Ok(Some([u.as_slice()?, v.as_slice()?])),
         Some(_) => Err(PyValueError::new_err(format!("{points} points need as many directions"))),

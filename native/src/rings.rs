@@ -2,9 +2,12 @@
 
 mod centre;
 mod circle;
+mod factors;
 mod features;
 mod grid;
+mod gridding;
 mod harmonics;
+mod line;
 mod matrix;
 mod noise;
 mod sizes;
@@ -16,11 +19,14 @@ use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods}
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::meeting::measure::{Choice, Pixels, Shared};
+use crate::meeting::modes::{Mode, MODE};
+use crate::meeting::{directions, fits, make_of, Directions, Makes, Numbers};
 use grid::{wall_grid, Grid};
+use line::{on_wall, Line, Valid};
 use sizes::Draws;
 use wall::{estimate_wall, Ring, Wall};
 
-type Numbers<'py> = PyReadonlyArray1<'py, f64>;
 type Table<'py> = PyReadonlyArray2<'py, f64>;
 
 /// A wall estimated from a ring, and that wall on a regular grid.
@@ -76,7 +82,13 @@ impl RingEstimate {
     }
 
     /// Values and uncertainties, in units of the scale: see `calibore.metrics._engine`.
-    fn quantities<'py>(&self, py: Python<'py>, core: Table<'py>, again: Table<'py>, possible: Table<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn quantities<'py>(
+        &self,
+        py: Python<'py>,
+        core: Table<'py>,
+        again: Table<'py>,
+        possible: Table<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let [size, more_again, more_possible] = self.sizes();
         let rows = core.shape()[0];
         if core.shape()[1] != size || *again.shape() != [rows, more_again] || *possible.shape() != [rows, more_possible] {
@@ -108,18 +120,73 @@ impl RingEstimate {
         let level = |k: usize| grid.modes.row(k)[..grid.regular].iter().sum::<f64>() / grid.regular as f64;
         let levels = (0..grid.modes.rows()).map(|k| level(k) * level(k)).sum::<f64>();
         let u = |k: usize, common: f64| (wall.fit.covariance.at(k, k).max(0.0) + common).sqrt();
-        let circle = [
-            [wall.centre[0], u(2, common(0))],
-            [wall.centre[1], u(1, common(1))],
-            [wall.fit.coefficients[0], u(0, levels)],
-        ];
+        let circle = [[wall.centre[0], u(2, common(0))], [wall.centre[1], u(1, common(1))], [wall.fit.coefficients[0], u(0, levels)]];
         let pairs = grid.linear_sizes().into_iter().chain(extremes.values).chain([grid.second_harmonic()]);
         let pairs = pairs.chain(circle).chain(extremes.clocks);
         pairs.flatten().chain([wall.scale, wall.excess]).collect()
     }
 }
 
+/// Standard uncertainty and status of the line's rays, what first order misses, correlation of neighbours, rays that graze the light.
+type Lines<'py> = (Numbers<'py>, PyReadonlyArray1<'py, u8>, Numbers<'py>, Numbers<'py>, PyReadonlyArray1<'py, bool>);
+type Arrays<'py> = (Vec<Bound<'py, PyArray1<f64>>>, Bound<'py, PyArray1<u8>>);
+
+/// See `calibore.profiling._line_ring`: the rays, their status; radius, axial, uncertainty, modes and correlation of the ring, its status.
+/// None where no ray meets the light.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+fn ring_of_line<'py>(
+    py: Python<'py>,
+    make: Makes,
+    parameters: Numbers<'py>,
+    modes: Table<'py>,
+    place: (Numbers<'py>, Numbers<'py>),
+    choice: (bool, Numbers<'py>),
+    direction: Directions<'py>,
+    line: Lines<'py>,
+    stated: Option<f64>,
+    valid: Option<([f64; 2], [f64; 2])>,
+    positions: usize,
+) -> PyResult<Option<(Arrays<'py>, Arrays<'py>)>> {
+    let (u, v) = place;
+    let (make, points) = (make_of(make)?, u.len());
+    let (u_position, status, enlargement, correlation, grazing) = &line;
+    for length in [choice.1.len(), enlargement.len()] {
+        fits(length, points)?;
+    }
+    let grazing_fits = grazing.len() == points || grazing.len() == 0;
+    let full = [v.len(), u_position.len(), status.len()] == [points; 3] && direction.is_some() && grazing_fits && positions > 0;
+    if !full || make.side_facing || parameters.len() != make.parameters() || modes.shape()[1] != MODE {
+        return Err(PyValueError::new_err("numbers do not fit the line or the rig"));
+    }
+    let moves: Vec<Mode> = modes.as_slice()?.as_chunks::<MODE>().0.iter().map(Mode::of).collect();
+    let (parameters, numbers) = (parameters.as_slice()?, Shared(choice.1.as_slice()?));
+    let pixels = Pixels {
+        u: u.as_slice()?,
+        v: v.as_slice()?,
+        choice: if choice.0 { Choice::Numbered(numbers) } else { Choice::Nearest(numbers) },
+        noise: Shared(&[1.0]),
+        direction: directions(&direction, points)?,
+    };
+    let line = Line {
+        u_position: u_position.as_slice()?,
+        status: status.as_slice()?,
+        enlargement: enlargement.as_slice()?,
+        correlation: correlation.as_slice()?,
+        grazing: grazing.as_slice()?,
+    };
+    let valid = valid.map(|(zenith, radius)| Valid { zenith, radius });
+    let found = py.detach(|| on_wall((&make, parameters, &moves), &pixels, &line, (stated, valid.as_ref(), positions)));
+    Ok(found.map(|found| {
+        let rays = found.rays.into_iter().map(|row| PyArray1::from_vec(py, row)).collect();
+        let ring = found.ring.columns.into_iter().chain([found.ring.modes, found.ring.correlation.to_vec()]);
+        let ring = ring.map(|row| PyArray1::from_vec(py, row)).collect();
+        ((rays, PyArray1::from_vec(py, found.status)), (ring, PyArray1::from_vec(py, found.ring.status)))
+    }))
+}
+
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<RingEstimate>()?;
+    module.add_function(wrap_pyfunction!(ring_of_line, module)?)?;
     module.add_function(wrap_pyfunction!(estimate_ring, module)?)
 }

@@ -31,7 +31,9 @@ def furthest(ours, theirs):
 
 def with_modes(ring, rng):
     """`ring` with three slow common modes and as many lags of correlation as a grid gives."""
-    modes = np.stack([np.ones_like(ring.clock), np.cos(ring.clock), np.sin(2 * ring.clock)]) * rng.normal(0, 1e-4, (3, 1))
+    modes = np.stack([np.ones_like(ring.clock), np.cos(ring.clock), np.sin(2 * ring.clock)]) * rng.normal(
+        0, 1e-4, (3, 1)
+    )
     return RingShape(ring.clock, ring.radius, ring.u_independent, modes, ring.correlation[:3])
 
 
@@ -48,7 +50,9 @@ def test_whole_rings_have_the_same_quantities_from_both_kernels(kind, count, noi
         assert furthest(ours, theirs) < (OPEN if ours.flags else ROUNDING)
 
 
-@pytest.mark.parametrize("case", [{"gap": 0.35}, {"dent": True}, {"rail": True}, {"dent": True, "rail": True, "gap": 0.3}])
+@pytest.mark.parametrize(
+    "case", [{"gap": 0.35}, {"dent": True}, {"rail": True}, {"dent": True, "rail": True, "gap": 0.3}]
+)
 def test_gaps_and_features_are_treated_alike_by_both_kernels(case):
     rng = np.random.default_rng(7)
     for noise in (3e-4, 3e-3):
@@ -67,7 +71,10 @@ def test_lone_readings_and_enlarged_noise_are_noticed_by_both_kernels():
     ring, _ = random_ring(np.random.default_rng(3), noise=1e-3)
     radius = ring.radius.copy()
     radius[[17, 200]] *= 1.05
-    for changed in (RingShape(ring.clock, radius, ring.u_independent), RingShape(ring.clock, ring.radius, ring.u_independent / 3)):
+    for changed in (
+        RingShape(ring.clock, radius, ring.u_independent),
+        RingShape(ring.clock, ring.radius, ring.u_independent / 3),
+    ):
         ours, theirs = both(changed)
         assert {"lone-points", "noise-above-stated"} & set(ours.flags)
         assert ours.flags == theirs.flags

@@ -102,12 +102,12 @@ pub fn measure<S: Surface, M: Mount>(make: &Make, rig: &Rig<S, M>, modes: &[Mode
 }
 
 /// A part of a vector.
-trait Coordinate {
+pub trait Coordinate {
     fn of(&self, vector: Vector) -> Lanes;
 }
 
 /// Along a direction (x, y) away from the axis.
-struct Outwards([Lanes; 2]);
+pub struct Outwards(pub [Lanes; 2]);
 
 impl Coordinate for Outwards {
     #[inline(always)]
@@ -127,14 +127,14 @@ impl Coordinate for Ahead {
 }
 
 /// How one coordinate of the meeting changes: `carried` when the surface leaves the ray, `turned` when the ray turns.
-struct Slope {
-    carried: Lanes,
+pub struct Slope {
+    pub carried: Lanes,
     turned: [Lanes; 2],
 }
 
 impl Slope {
     #[inline(always)]
-    fn of(coordinate: &impl Coordinate, ray: &Ray, contact: &Contact, turns: [Vector; 2], distance: Lanes) -> Self {
+    pub fn of(coordinate: &impl Coordinate, ray: &Ray, contact: &Contact, turns: [Vector; 2], distance: Lanes) -> Self {
         let carried = coordinate.of(ray.direction) * contact.per_slope;
         let [zenith, azimuth] = turns;
         let by_zenith = (-carried).fused(dot(contact.gradient, zenith), coordinate.of(zenith));
@@ -143,16 +143,22 @@ impl Slope {
     }
 
     #[inline(always)]
-    fn change(&self, motion: &Motion) -> Lanes {
+    pub fn change(&self, motion: &Motion) -> Lanes {
         let turned = self.turned[1].fused(motion.turns[1], self.turned[0] * motion.turns[0]);
         (-self.carried).fused(motion.surface, turned)
     }
 
+    /// By u and by v of the pixel.
     #[inline(always)]
-    fn noise(&self, sight: &Sight, pixels: &Pixels, from: usize) -> Lanes {
+    pub fn by_pixel(&self, sight: &Sight) -> [Lanes; 2] {
         let (zenith, azimuth) = (self.turned[0] * sight.by_radius, self.turned[1] * sight.across);
         let by_u = zenith.fused(sight.cos_azimuth, -(azimuth * sight.sin_azimuth));
-        let by_v = zenith.fused(sight.sin_azimuth, azimuth * sight.cos_azimuth) * sight.per_aspect;
+        [by_u, zenith.fused(sight.sin_azimuth, azimuth * sight.cos_azimuth) * sight.per_aspect]
+    }
+
+    #[inline(always)]
+    fn noise(&self, sight: &Sight, pixels: &Pixels, from: usize) -> Lanes {
+        let [by_u, by_v] = self.by_pixel(sight);
         let size = match pixels.direction {
             Some([u, v]) => (by_u * Lanes::load(&u[from..]) + by_v * Lanes::load(&v[from..])).abs(),
             None => by_u.fused(by_u, by_v * by_v).sqrt(),
@@ -163,7 +169,7 @@ impl Slope {
 
 /// Of two meetings the one ahead that is nearer to the radius, or one that at least exists.
 #[inline(always)]
-fn chosen(meetings: &[Meeting; 2], ray: &Ray, choice: Choice, from: usize, twice: bool) -> Meeting {
+pub fn chosen(meetings: &[Meeting; 2], ray: &Ray, choice: Choice, from: usize, twice: bool) -> Meeting {
     let [near, far] = meetings;
     if !twice {
         return *near;
@@ -185,7 +191,7 @@ fn chosen(meetings: &[Meeting; 2], ray: &Ray, choice: Choice, from: usize, twice
 }
 
 #[inline(always)]
-fn status_of(no_pixel: Mask, seen: Mask, meeting: &Meeting) -> [u8; LANES] {
+pub fn status_of(no_pixel: Mask, seen: Mask, meeting: &Meeting) -> [u8; LANES] {
     let behind = meeting.behind.choose(status::BEHIND, status::OK);
     let grazing = (meeting.grazing | !meeting.exists).choose(status::GRAZING, behind);
     let unseen = seen.choose(grazing, status::OUTSIDE_LENS);

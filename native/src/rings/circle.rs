@@ -103,9 +103,9 @@ fn triples(x: &[f64], y: &[f64], drawn: &[[usize; 3]]) -> Vec<[usize; 3]> {
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| angles[a].total_cmp(&angles[b]));
     let step = n as f64 / TRIPLES_PER_SPREAD as f64;
-    let spread = SPREADS.iter().flat_map(|&(b, c)| {
-        (0..TRIPLES_PER_SPREAD).map(move |i| [0.0, b, c].map(|part| (i as f64 * step + part * n as f64) as usize % n))
-    });
+    let spread = SPREADS
+        .iter()
+        .flat_map(|&(b, c)| (0..TRIPLES_PER_SPREAD).map(move |i| [0.0, b, c].map(|part| (i as f64 * step + part * n as f64) as usize % n)));
     spread.chain(drawn.iter().copied()).map(|triple| triple.map(|i| order[i])).collect()
 }
 

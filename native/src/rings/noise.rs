@@ -9,7 +9,8 @@ const LEAST_SPECTRUM: f64 = 0.02;
 /// `correlation` as some noise on `n` clock positions can have it.
 pub fn possible(correlation: &[f64], n: usize) -> Vec<f64> {
     let lags = &correlation[..correlation.len().min((n - 1) / 2)];
-    let power = |k: usize| 1.0 + 2.0 * lags.iter().enumerate().map(|(i, rho)| rho * (TAU * (k * (i + 1)) as f64 / n as f64).cos()).sum::<f64>();
+    let power =
+        |k: usize| 1.0 + 2.0 * lags.iter().enumerate().map(|(i, rho)| rho * (TAU * (k * (i + 1)) as f64 / n as f64).cos()).sum::<f64>();
     let least = (0..=n / 2).map(power).fold(f64::INFINITY, f64::min);
     let shrink = if least < LEAST_SPECTRUM { (1.0 - LEAST_SPECTRUM) / (1.0 - least) } else { 1.0 };
     correlation.iter().map(|rho| rho * shrink).collect()

@@ -215,7 +215,8 @@ impl Wall {
     /// The features with the columns of `grid` that belong to them: to half a step beyond their ends.
     pub fn features(&self, grid: &[f64], residuals: &[f64]) -> Option<Vec<Feature>> {
         let (angle, n) = (&self.polar.angle, self.used.len());
-        let between = |from: usize, to: usize, end: usize| if self.used[end] { turned(angle[to] - angle[from], TAU) } else { TAU / n as f64 };
+        let between =
+            |from: usize, to: usize, end: usize| if self.used[end] { turned(angle[to] - angle[from], TAU) } else { TAU / n as f64 };
         let mut found = vec![];
         for points in split_runs(&self.featured, &self.edges()) {
             let (first, last) = (points[0], points[points.len() - 1]);

@@ -11,6 +11,7 @@ quantity over walls that agree with the data, the common modes drawn with each w
 from dataclasses import dataclass, fields
 
 import numpy as np
+
 from calibore.errors import InputError
 from calibore.metrics import _definitions as definitions
 from calibore.metrics._engine import DEFAULT_KERNEL, findings_of

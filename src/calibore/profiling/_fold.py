@@ -40,18 +40,37 @@ class RingOnCone(NamedTuple):
     enlargement: Array
 
 
-def triangulate_ring(stripe: Stripe, rig: Rig, *, laser: int, prior_radius: float) -> RingOnCone:
-    """Wall points of a closed stripe on a surface that rays can meet twice; GRAZING where its margin is too small."""
+class LineOnCone(NamedTuple):
+    """What is triangulated of a closed stripe: `u`, `v` (n,) [px] on `branch` (n,), of standard uncertainty
+    `u_position` (n,) [px] but for the `enlargement` (n,); a ray that meets the cone at all grazes it at `grazing` (n,).
+    """
+
+    u: Array
+    v: Array
+    branch: NDArray[np.intp]
+    u_position: Array
+    enlargement: Array
+    grazing: NDArray[np.bool_]
+
+
+def line_on_cone(stripe: Stripe, rig: Rig, *, laser: int, prior_radius: float) -> LineOnCone:
+    """Which meeting with the cone each ray of a closed stripe is, and how well known its place in the picture."""
     line = smoothed_line(stripe)
     branch = follow_stripe(meetings_of(rig, line.u, line.v, laser=laser), prior_radius)
     noise = line.noise * line.smaller if rig.stripe is None else np.full(stripe.u.size, rig.stripe)
     m = margin(rig, line.u, line.v, branch=branch, u_pixel=noise, direction=stripe.direction, laser=laser)
     smooth = (m < NEAR_FOLD) & (np.abs(line.off) <= NOISE * line.noise)
     u, v = np.where(smooth, line.u, stripe.u), np.where(smooth, line.v, stripe.v)
-    points = triangulate(rig, u, v, laser=laser, branch=branch)
-    grazing = stripe.found & ~(m > MEASURABLE) & np.isin(points.status, (Status.OK, Status.GRAZING))
     u_position = np.where(smooth, line.noise * line.smaller, line.noise)
-    return RingOnCone(_without(points, grazing), u_position, enlargement(m))
+    return LineOnCone(u, v, branch, u_position, enlargement(m), stripe.found & ~(m > MEASURABLE))
+
+
+def triangulate_ring(stripe: Stripe, rig: Rig, *, laser: int, prior_radius: float) -> RingOnCone:
+    """Wall points of a closed stripe on a surface that rays can meet twice; GRAZING where its margin is too small."""
+    line = line_on_cone(stripe, rig, laser=laser, prior_radius=prior_radius)
+    points = triangulate(rig, line.u, line.v, laser=laser, branch=line.branch)
+    grazing = line.grazing & np.isin(points.status, (Status.OK, Status.GRAZING))
+    return RingOnCone(_without(points, grazing), line.u_position, line.enlargement)
 
 
 def enlargement(m: Array) -> Array:

@@ -1,14 +1,13 @@
 """The main job: a scan folder in, a measured pipe out."""
 
 import os
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
-from calibore.crews import Cluster, Workers, in_order
+from calibore.crews import Workers, in_order
 from calibore.errors import InputError
 from calibore.images import ImageSource, StationImages
 from calibore.lasers import Beam
@@ -19,7 +18,6 @@ from calibore.profiling._placement import Placement, Placer, open_source
 from calibore.profiling._side import side_measurement
 from calibore.profiling._spacetime import Window, spacetime_reach, swept, windows
 from calibore.profiling._station import (
-    StationLines,
     StationRefusedError,
     StationResult,
     evaluate_station,
@@ -114,16 +112,12 @@ def measure_scan(
 ) -> Iterator[StationResult]:
     """Every usable station in order; what could not be used is counted and named in `tally`.
 
-    Threads find lines, which they do side by side; the rest would wait for Python's lock. Other machines do all of it.
+    Nearly all of a station is compiled code that does not hold Python's lock, so workers do all of it side by side.
     `sweep` [m]: how far along the pipe the light is followed over a place (`spacetime_reach`); None: no further.
     """
     reading = _Reading(source, place, tally)
     stops = reading if sweep is None else windows(reading, sweep)
-    work = partial(_measured if isinstance(workers, Cluster) else _found, job)
-    placements: deque[Placement] = deque()
-    for found in in_order(_noting(stops, placements), work, workers=workers):
-        placement = placements.popleft()
-        result = _evaluated(found, placement, job) if isinstance(found, StationLines) else found
+    for result in in_order(stops, partial(_measured, job), workers=workers):
         if isinstance(result, StationRefusedError):
             tally.refuse(result.images)
             continue
@@ -132,24 +126,10 @@ def measure_scan(
     tally.leave_out(reading.unplaced, source.refusals, expected=place.expected)
 
 
-def _noting(stops: Iterable[_Item], placements: deque[Placement]) -> Iterator[_Item]:
-    for item in stops:
-        placements.append(item[1])
-        yield item
-
-
-def _found(job: Job, item: _Item) -> StationLines:
-    lines = find_lines(item[0], job)
-    return swept(lines, item[2], job) if len(item) > 2 else lines
-
-
 def _measured(job: Job, item: _Item) -> StationResult | StationRefusedError:
-    return _evaluated(_found(job, item), item[1], job)
-
-
-def _evaluated(lines: StationLines, placement: Placement, job: Job) -> StationResult | StationRefusedError:
+    lines = find_lines(item[0], job)
     try:
-        return evaluate_station(lines, placement, job)
+        return evaluate_station(swept(lines, item[2], job) if len(item) > 2 else lines, item[1], job)
     except StationRefusedError as refused:
         return refused
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +13,16 @@ from calibore.geometry import Pose, clock_of
 from calibore.images import ImageFileError, Pixels, StationImages
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._fusion import fuse_lasers
-from calibore.profiling._grid import Ring, grid_ring
+from calibore.profiling._grid import Ring
 from calibore.profiling._job import Job
 from calibore.profiling._lasers import alone_in
+from calibore.profiling._line_ring import LineOnWall, WallRays, line_on_wall
 from calibore.profiling._placement import Placement
 from calibore.profiling._search import find_line
-from calibore.profiling._take import TakePoints, place_on_wall
 from calibore.profiling._takes import combine_takes
 from calibore.scans import RingPoints, RingProfile
 from calibore.stripe import Stripe
-from calibore.uncertainty import Covariance, Quantity, propagate
+from calibore.uncertainty import Quantity
 
 Array = NDArray[np.float64]
 NOT_LIT = "laser.takes in the rig file does not name this take for one laser alone; correct one of them"
@@ -86,8 +86,7 @@ def measure_image(image: Pixels, job: Job, *, laser: int = 0) -> Ring:
     """
     look = job.looks[laser]
     stripe = find_line(image, job.rig, look.search, channel=look.channel, estimator=job.estimator)
-    take = place_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius)
-    return grid_ring(take, job.covariance, stripe=job.rig.stripe)
+    return line_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius).ring
 
 
 @dataclass(frozen=True)
@@ -135,28 +134,27 @@ def measure_station(images: StationImages, placement: Placement, job: Job) -> St
 def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> StationResult:
     """Everything that follows from the lines of one station; raises StationRefusedError where none is of use."""
     images, refused = lines.images, list(lines.refused)
-    takes: list[TakePoints] = []
+    placed: list[LineOnWall] = []
     used: list[Line] = []
     for line in lines.lines:
         try:
-            take = place_on_wall(line.stripe, job.rig, laser=line.laser, prior_radius=job.nominal_radius)
-            takes.append(take if line.displacement is None else take.displaced(line.displacement))
+            placed.append(_placed(line, job))
             used.append(line)
         except ImageError as error:
             refused.append(refusal_of(images.name(line.take), error))
     if not used:
         raise StationRefusedError(refused)
     numbers = [line.take for line in used]
-    ring, shared = _one_ring(takes, job)
+    ring, shared = _one_ring([line.laser for line in used], [one.ring for one in placed])
     shape = RingShape(ring.clock, ring.radius, ring.u, ring.modes, ring.correlation)
     quantities = ring_quantities(shape, nominal_radius=job.nominal_radius, roll=placement.roll)
     return StationResult(
         ring_profile(images.station, placement, ring, quantities),
-        wall_points(takes, numbers, placement.pipe_from_rig, placement.roll, covariance=job.covariance),
+        wall_points([one.rays for one in placed], numbers, placement.pipe_from_rig, placement.roll),
         ring_row(quantities, takes=len(set(numbers))),
         quantities,
         shared,
-        float(np.mean([take.stripe.scale for take in takes])),
+        float(np.mean([line.stripe.scale for line in used])),
         tuple(used),
         tuple(refused),
         partial(images.read, numbers[0]),
@@ -165,13 +163,18 @@ def evaluate_station(lines: StationLines, placement: Placement, job: Job) -> Sta
     )
 
 
-def _one_ring(takes: list[TakePoints], job: Job) -> tuple[Ring, float]:
+def _placed(line: Line, job: Job) -> LineOnWall:
+    how: dict[str, Any] = {"laser": line.laser, "prior_radius": job.nominal_radius, "displacement": line.displacement}
+    return line_on_wall(line.stripe, job.rig, **how)
+
+
+def _one_ring(lasers: Sequence[int], takes: Sequence[Ring]) -> tuple[Ring, float]:
     """The takes of each laser combined, then the lasers fused; the mean correlation of takes of one laser, NaN where
     none has two.
     """
     rings: dict[int, list[Ring]] = {}
-    for take in takes:
-        rings.setdefault(take.laser, []).append(grid_ring(take, job.covariance, stripe=job.rig.stripe))
+    for laser, ring in zip(lasers, takes, strict=True):
+        rings.setdefault(laser, []).append(ring)
     combined = [combine_takes(of_laser) for of_laser in rings.values()]
     shared = [share for (_, share), of_laser in zip(combined, rings.values(), strict=True) if len(of_laser) > 1]
     return fuse_lasers([ring for ring, _ in combined]), float(np.mean(shared)) if shared else float("nan")
@@ -198,36 +201,30 @@ def ring_profile(station: int, placement: Placement, ring: Ring, quantities: Rin
     )
 
 
-def wall_points(
-    takes: list[TakePoints], numbers: list[int], pose: Pose, roll: float, *, covariance: Covariance
-) -> RingPoints:
-    """Every ray of the takes with these `numbers`, in the pipe frame; rays without a point are kept with the status
-    that says why. `pose`: pipe_from_rig, rolled by `roll` [rad].
+def wall_points(lines: Sequence[WallRays], numbers: Sequence[int], pose: Pose, roll: float) -> RingPoints:
+    """Every ray of the `lines` of takes with these `numbers`, in the pipe frame; rays without a point are kept with the
+    status that says why. `pose`: pipe_from_rig, rolled by `roll` [rad].
     """
-    columns: dict[str, list[Array]] = {name.name: [] for name in fields(RingPoints)}
-    for number, take in zip(numbers, takes, strict=True):
-        valued = np.where(np.isfinite(take.u_position), 0.0, np.nan)
-        wall = pose.apply(take.points.points)
-        sensitivities = take.points.radius_sensitivities.parameters
-        turned = np.mod(take.clock + roll, 2 * np.pi)
-        common = propagate(sensitivities, covariance, names=take.points.parameter_names).u
-        values = {
-            "x": wall[:, 0],
-            "y": wall[:, 1],
-            "z": wall[:, 2],
-            "radius": take.points.radius + valued,
-            "clock": np.where(np.isfinite(wall[:, 0]), clock_of(wall[:, 0], wall[:, 1]), turned),
-            "axial": wall[:, 2],
-            "u_radius": np.hypot(take.along * take.u_position * take.enlargement, common),
-            "u": take.stripe.u,
-            "v": take.stripe.v,
-            "take": np.full(take.clock.size, number),
-            "status": take.status,
-        }
-        for name, value in values.items():
-            columns[name].append(value)
-    joined = {name: np.concatenate(parts) for name, parts in columns.items()}
-    return RingPoints(**joined)  # pyright: ignore[reportArgumentType]
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(rays, name) for rays in lines])
+
+    wall = pose.apply(joined("points"))
+    x, y, z = np.ascontiguousarray(wall.T)
+    turned = np.mod(joined("clock") + roll, 2 * np.pi)
+    return RingPoints(
+        x=x,
+        y=y,
+        z=z,
+        radius=joined("radius"),
+        clock=np.where(np.isfinite(x), clock_of(x, y), turned),
+        axial=z,
+        u_radius=joined("u_radius"),
+        u=joined("u"),
+        v=joined("v"),
+        take=np.repeat(numbers, [rays.clock.size for rays in lines]),
+        status=np.concatenate([rays.status for rays in lines]),
+    )
 
 
 def ring_row(quantities: RingQuantities, *, takes: int) -> dict[str, float | int | str]:

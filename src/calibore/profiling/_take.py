@@ -14,6 +14,7 @@ from calibore.stripe import Stripe
 
 Array = NDArray[np.float64]
 Statuses = NDArray[np.uint8]
+NO_POINT = "no point of its line lies in the light of the laser in front of the camera; check the rig file"
 
 
 @dataclass(frozen=True)
@@ -73,9 +74,7 @@ def _every_clock(clock: Array) -> Array:
     """`clock` (n,) with its gaps interpolated round the ring."""
     index, found = np.arange(clock.size), np.flatnonzero(np.isfinite(clock))
     if found.size == 0:
-        raise ImageError(
-            "no point of its line lies in the light of the laser in front of the camera; check the rig file"
-        )
+        raise ImageError(NO_POINT)
     turns = np.unwrap(clock[found])
     sense = np.sign(turns[-1] - turns[0]) or 1.0
     before, after = found[-1] - clock.size, found[0] + clock.size

@@ -21,6 +21,7 @@ from calibore.rigs._candidates import Candidates, follow_stripe, meetings_of
 from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 from calibore.rigs._defaults import DEFAULT_LENGTH_LIMIT
 from calibore.rigs._drawing import Drawn, DrawnQuantity, monte_carlo
+from calibore.rigs._engine import engine_form
 from calibore.rigs._known_camera import KnownCamera, read_camera, read_rig_or_camera
 from calibore.rigs._lit import lit_points
 from calibore.rigs._margin import margin
@@ -60,6 +61,7 @@ __all__ = [
     "ValidRegion",
     "adaptive_monte_carlo",
     "camera_value",
+    "engine_form",
     "follow_stripe",
     "lit_points",
     "margin",

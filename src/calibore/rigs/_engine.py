@@ -80,16 +80,32 @@ def known_of(rig: Rig, laser: int) -> tuple[Make, Array, Array]:
     return make_of(rig, laser), values_of(rig, laser), modes_of(rig, laser)
 
 
+@lru_cache(maxsize=16)
+def engine_form(rig: Rig, laser: int) -> tuple[Make, Array, Array] | None:
+    """Make, values (p,) and (m, 15) what each column of the covariance's factor does to the rig, for other engines that
+    place points; None where they must be placed in NumPy.
+    """
+    if engine is None or not _is_known(rig, rig.lasers[laser].surface):
+        return None
+    modes = _factor_of(rig, laser).T @ _numbers_by_parameters(rig, laser).T
+    return make_of(rig, laser), values_of(rig, laser), np.ascontiguousarray(modes)
+
+
 def modes_of(rig: Rig, laser: int) -> Array:
     """(m, 15): how numbers of surface, mount and camera move together, by one standard uncertainty each."""
+    modes = np.linalg.qr(_factor_of(rig, laser).T, mode="r") @ _numbers_by_parameters(rig, laser).T
+    return np.ascontiguousarray(modes[modes.any(axis=1)])
+
+
+def _factor_of(rig: Rig, laser: int) -> Array:
+    """(p, m) of the parameters `names_of`; no uncertainty for those that the covariance does not name."""
     covariance = rig.covariance or Covariance.independent({})
     names = names_of(rig, laser)
     known = [name for name in names if name in covariance.names]
     factor = np.zeros((len(names), len(covariance.names)))
     if known:
         factor[[names.index(name) for name in known]] = covariance.factor()[[covariance.names.index(n) for n in known]]
-    modes = np.linalg.qr(factor.T, mode="r") @ _numbers_by_parameters(rig, laser).T
-    return np.ascontiguousarray(modes[modes.any(axis=1)])
+    return factor
 
 
 def _numbers_by_parameters(rig: Rig, laser: int) -> Array:

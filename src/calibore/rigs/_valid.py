@@ -28,7 +28,14 @@ class ValidRegion:
 
     def holds(self, zenith: ArrayLike, radius: ArrayLike) -> NDArray[np.bool_]:
         """Which points (n,), seen at `zenith` [rad] and `radius` [m], lie inside, within `TOLERANCE`; NaN does not."""
-        return _within(np.asarray(zenith), self.zenith) & _within(np.asarray(radius), self.radius)
+        (nearest, farthest), (least, most) = self.limits
+        zenith, radius = np.asarray(zenith), np.asarray(radius)
+        return (zenith >= nearest) & (zenith <= farthest) & (radius >= least) & (radius <= most)
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Zenith [rad] and radius [m] from ... to, `TOLERANCE` included; infinite where there is no limit."""
+        return _widened(self.zenith), _widened(self.radius)
 
     def said(self, unit: str = "mm") -> str:
         """The region in words, radii in `unit` (mm, in or m); "" where it has no limits."""
@@ -41,8 +48,8 @@ class ValidRegion:
         return ", ".join(parts)
 
 
-def _within(values: NDArray[np.float64], limits: Limits) -> NDArray[np.bool_]:
+def _widened(limits: Limits) -> tuple[float, float]:
     if limits is None:
-        return np.ones(values.shape, dtype=bool)
+        return -np.inf, np.inf
     slack = TOLERANCE * (limits[1] - limits[0])
-    return (values >= limits[0] - slack) & (values <= limits[1] + slack)
+    return limits[0] - slack, limits[1] + slack

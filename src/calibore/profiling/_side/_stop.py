@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from calibore.errors import ImageError
 from calibore.geometry import Pose
 from calibore.images import Pixels, StationImages
+from calibore.profiling._line_ring import rays_of
 from calibore.profiling._placement import Placement
 from calibore.profiling._search import check_size, exposure
 from calibore.profiling._side._column import Column, Strip, column_of, one_of_takes, rows_of
@@ -113,7 +114,8 @@ def evaluate_stop(lines: StopLines, job: SideJob) -> StopResult:
     ]
     column, shared = one_of_takes(columns, [take.stripe for take in takes])
     numbers = [take for take, _ in strips]
-    points = wall_points(takes, numbers, stop.pipe_from_head, stop.clock + np.pi, covariance=job.covariance)
+    rays = [rays_of(take, job.covariance) for take in takes]
+    points = wall_points(rays, numbers, stop.pipe_from_head, stop.clock + np.pi)
     scale = float(np.mean([take.stripe.scale for take in takes]))
     read = partial(stop.images.read, numbers[0])
     return StopResult(

@@ -1,0 +1,121 @@
+"""One line of light in one picture: its rays on the wall, and its ring on the clock grid, by the compiled engine.
+
+The specification is `place_on_wall`, `grid_ring` and `rays_of`; `native/src/rings/line.rs` and the files it uses are
+the engine's form. Rigs that the engine does not know are computed by the specification.
+"""
+
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibore.errors import ImageError, UsageError
+from calibore.lasers import Cone
+from calibore.profiling._fold import line_on_cone
+from calibore.profiling._grid import POSITIONS, Ring, clock_grid, grid_ring
+from calibore.profiling._take import NO_POINT, TakePoints, place_on_wall
+from calibore.rigs import FORWARD, Rig, engine_form
+from calibore.stripe import Stripe
+from calibore.uncertainty import Covariance, propagate
+
+Array = NDArray[np.float64]
+
+_native: Any
+try:
+    _native = import_module("calibore._native")
+except ImportError:  # a source tree that was never built: slower, same numbers
+    _native = None
+
+DEFAULT_KERNEL = "numpy" if _native is None else "native"
+
+
+class WallRays(NamedTuple):
+    """The rays of one line in the rig frame: `points` (n, 3) [m], `radius` [m] with its standard uncertainty `u_radius`
+    (n,), NaN where there is none; `clock` (n,) [rad] of all; the pixel `u`, `v` (n,) and `status` (n,).
+    """
+
+    points: Array
+    radius: Array
+    clock: Array
+    u_radius: Array
+    u: Array
+    v: Array
+    status: NDArray[np.uint8]
+
+
+class LineOnWall(NamedTuple):
+    """`rays` of a line, and the `ring` that they give."""
+
+    rays: WallRays
+    ring: Ring
+
+
+def line_on_wall(
+    stripe: Stripe,
+    rig: Rig,
+    *,
+    laser: int = 0,
+    prior_radius: float | None = None,
+    displacement: Array | None = None,
+    kernel: str = DEFAULT_KERNEL,
+) -> LineOnWall:
+    """The line `stripe` of `laser`; raises ImageError where none of it lies on the laser's surface.
+
+    `prior_radius` [m], roughly the wall's, tells the meetings with a cone apart. `displacement` (n, 3) [m]: how far
+    each point is moved in the rig frame; that is done in NumPy.
+    """
+    if kernel not in ("native", "numpy"):
+        raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
+    form = engine_form(rig, laser) if kernel == "native" and rig.mount is FORWARD and displacement is None else None
+    if form is None or (isinstance(rig.lasers[laser].surface, Cone) and prior_radius is None):
+        take = place_on_wall(stripe, rig, laser=laser, prior_radius=prior_radius)
+        return _by_numpy(take if displacement is None else take.displaced(displacement), rig)
+    (rays, status), (ring, of_ring) = _by_engine(stripe, rig, form, laser=laser, prior_radius=prior_radius)
+    points, (radius, clock, u_radius) = np.stack(rays[:3], axis=1), rays[3:]
+    mean, axial, u, modes, correlation = ring
+    return LineOnWall(
+        WallRays(points, radius, clock, u_radius, stripe.u, stripe.v, status),
+        Ring(clock_grid(), mean, axial, u, modes.reshape(-1, POSITIONS), of_ring, correlation),
+    )
+
+
+def rays_of(take: TakePoints, covariance: Covariance) -> WallRays:
+    """The rays of a take that was placed in NumPy."""
+    sensitivities = take.points.radius_sensitivities.parameters
+    common = propagate(sensitivities, covariance, names=take.points.parameter_names).u
+    valued = np.where(np.isfinite(take.u_position), 0.0, np.nan)
+    return WallRays(
+        take.points.points,
+        take.points.radius + valued,
+        take.clock,
+        np.hypot(take.along * take.u_position * take.enlargement, common),
+        take.stripe.u,
+        take.stripe.v,
+        take.status,
+    )
+
+
+def _by_numpy(take: TakePoints, rig: Rig) -> LineOnWall:
+    covariance = rig.covariance or Covariance.independent({})
+    return LineOnWall(rays_of(take, covariance), grid_ring(take, covariance, stripe=rig.stripe))
+
+
+def _by_engine(stripe: Stripe, rig: Rig, form: Any, *, laser: int, prior_radius: float | None) -> Any:
+    u, v, u_position, branch = stripe.u, stripe.v, stripe.u_position, np.zeros(1)
+    enlargement, grazing = np.ones(1), np.zeros(0, dtype=bool)
+    if isinstance(rig.lasers[laser].surface, Cone) and prior_radius is not None:
+        on_cone = line_on_cone(stripe, rig, laser=laser, prior_radius=prior_radius)
+        u, v, branch, u_position, enlargement, grazing = on_cone
+    du, dv = np.ascontiguousarray(stripe.direction.T)
+    line = (_plain(u_position), stripe.status, _plain(enlargement), _plain(stripe.correlation), grazing)
+    limits = None if rig.valid is None else rig.valid.limits
+    choice = True, _plain(branch)
+    found = _native.ring_of_line(*form, (_plain(u), _plain(v)), choice, (du, dv), line, rig.stripe, limits, POSITIONS)
+    if found is None:
+        raise ImageError(NO_POINT)
+    return found
+
+
+def _plain(values: NDArray[Any]) -> Array:
+    return np.ascontiguousarray(values, dtype=np.float64)
