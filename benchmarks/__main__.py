@@ -2,7 +2,7 @@
 
 `python -m benchmarks coverage`, `ovality`, `every_rig`, `pictures`, `calibration`, `change` and `change_pictures` run
 the long accuracy studies instead (minutes each), `cluster` two Dask workers against one,
-`archive` pictures from archives against PNG files.
+`archive` pictures from archives against PNG files, `real_time` films and archives against ten times the densest system.
 """
 
 import os
@@ -32,6 +32,7 @@ def part(name: str, *rest: str) -> list[str]:
         every_rig,
         kernel,
         prediction,
+        real_time,
         side_facing,
         startup,
         studies,
@@ -57,6 +58,7 @@ def part(name: str, *rest: str) -> list[str]:
         "ovality": studies.ovality,
         "every_rig": every_rig.report,
         "pictures": every_rig.pictures,
+        "real_time": real_time.report,
         "prediction": lambda: prediction.report(*rest),
     }
     return tables[name]()
