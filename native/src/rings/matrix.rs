@@ -38,6 +38,29 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums[0] + rest
 }
 
+#[inline(always)]
+pub fn sum(values: &[f64]) -> f64 {
+    let (chunks, rest) = values.as_chunks::<FEW>();
+    let sums = chunks.iter().fold([0.0; FEW], |sums, chunk| std::array::from_fn(|k| sums[k] + chunk[k]));
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + b) + (c + d)) + ((e + f) + (g + h)) + rest.iter().sum::<f64>()
+}
+
+/// The smallest and the largest of finite `values`.
+#[inline(always)]
+pub fn limits(values: &[f64]) -> (f64, f64) {
+    let (chunks, rest) = values.as_chunks::<FEW>();
+    let (mut least, mut most) = ([f64::INFINITY; FEW], [f64::NEG_INFINITY; FEW]);
+    for chunk in chunks {
+        for k in 0..FEW {
+            least[k] = if chunk[k] < least[k] { chunk[k] } else { least[k] };
+            most[k] = if chunk[k] > most[k] { chunk[k] } else { most[k] };
+        }
+    }
+    let least = least.iter().chain(rest).copied().fold(f64::INFINITY, f64::min);
+    (least, most.iter().chain(rest).copied().fold(f64::NEG_INFINITY, f64::max))
+}
+
 /// `to` += `scale` x `row`.
 #[inline(always)]
 pub fn add_scaled(to: &mut [f64], scale: f64, row: &[f64]) {
@@ -52,7 +75,10 @@ impl Matrix {
     }
 
     pub fn of(rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -> Self {
-        let values = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| value(i, j)).collect();
+        let mut values = Vec::with_capacity(rows * columns);
+        for i in 0..rows {
+            values.extend((0..columns).map(|j| value(i, j)));
+        }
         Matrix { columns, values }
     }
 

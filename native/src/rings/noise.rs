@@ -27,19 +27,19 @@ impl Noise {
     /// Covariance (p, p) of the linear functionals (p, n) of the radii.
     pub fn covariance_of(&self, functionals: &Matrix) -> Matrix {
         let n = functionals.columns;
-        let (mut scaled, mut ahead) = (functionals.clone(), Matrix::zeros(functionals.rows(), n));
+        let mut scaled = functionals.clone();
+        (0..scaled.rows()).for_each(|i| scaled.row_mut(i).iter_mut().zip(&self.sigma).for_each(|(value, sigma)| *value *= sigma));
+        let mut shared = scaled.clone();
         for i in 0..scaled.rows() {
-            let row = scaled.row_mut(i);
-            row.iter_mut().zip(&self.sigma).for_each(|(value, sigma)| *value *= sigma);
-            let ahead = ahead.row_mut(i);
-            add_scaled(ahead, 0.5, row);
+            let (row, to) = (scaled.row(i), shared.row_mut(i));
             for (lag, &rho) in self.correlation.iter().enumerate().map(|(i, rho)| (i + 1, rho)) {
-                add_scaled(&mut ahead[..n - lag], rho, &row[lag..]);
-                add_scaled(&mut ahead[n - lag..], rho, &row[..lag]);
+                add_scaled(&mut to[..n - lag], rho, &row[lag..]);
+                add_scaled(&mut to[n - lag..], rho, &row[..lag]);
+                add_scaled(&mut to[lag..], rho, &row[..n - lag]);
+                add_scaled(&mut to[..lag], rho, &row[n - lag..]);
             }
         }
-        let half = scaled.times_transposed(&ahead);
-        Matrix::of(half.columns, half.columns, |i, j| half.at(i, j) + half.at(j, i))
+        scaled.gram(&shared)
     }
 
     /// Covariance (q, q) of the points `index`.

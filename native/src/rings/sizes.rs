@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::grid::Grid;
-use super::matrix::{dot, Matrix};
+use super::matrix::{dot, limits, sum, Matrix};
 use super::statistics::turned;
 
 const SIGNIFICANT: f64 = 2.0;
@@ -33,25 +33,18 @@ struct Found {
 }
 
 impl Found {
-    #[inline(always)]
-    fn of(diameters: &[f64], both: &[bool], all: bool) -> Self {
-        let mean = diameters.iter().sum::<f64>() / diameters.len() as f64;
-        let (mut least, mut most, mut places) = (f64::INFINITY, f64::NEG_INFINITY, [0, 0]);
-        for (i, &diameter) in diameters.iter().enumerate() {
-            if all || both[i] {
-                if diameter < least {
-                    (least, places[0]) = (diameter, i);
-                }
-                if diameter > most {
-                    (most, places[1]) = (diameter, i);
-                }
-            }
-        }
-        if least > most {
-            (least, most) = (f64::NAN, f64::NAN);
-        }
+    /// Over the `seen` directions; of all where there are none to leave out.
+    fn of(diameters: &[f64], seen: Option<&[usize]>) -> Self {
+        let mean = sum(diameters) / diameters.len() as f64;
+        let some: Vec<f64> = seen.into_iter().flatten().map(|&i| diameters[i]).collect();
+        let values = if seen.is_some() { &some[..] } else { diameters };
+        let (least, most) = if values.is_empty() { (f64::NAN, f64::NAN) } else { limits(values) };
+        let place = |extreme: f64| {
+            let found = values.iter().position(|&value| value == extreme).unwrap_or(0);
+            seen.map_or(found, |seen| seen.get(found).copied().unwrap_or(0))
+        };
         let values = [least, most, 100.0 * (most / mean - 1.0), 100.0 * (1.0 - least / mean), 100.0 * (most - least) / mean];
-        Found { values, places }
+        Found { values, places: [place(least), place(most)] }
     }
 }
 
@@ -79,8 +72,9 @@ impl Grid {
 
     /// Value and uncertainty of every extreme of the diameters, noise bias removed, in units of the wall's scale, and their clocks.
     pub fn extremes(&self, both: &[bool], draws: &Draws) -> Extremes {
-        let all = both.iter().all(|&both| both);
-        let of = |diameters: &[f64]| Found::of(diameters, both, all);
+        let seen: Vec<usize> = (0..both.len()).filter(|&i| both[i]).collect();
+        let seen = (seen.len() < both.len()).then_some(&seen[..]);
+        let of = |diameters: &[f64]| Found::of(diameters, seen);
         let best = self.diameters(&self.best);
         let plug_in = of(&best);
         let again = self.deviations(&self.again, self.core[0], (draws.core, draws.columns), draws.again);
@@ -102,7 +96,7 @@ impl Grid {
             (0..EXTREMES).for_each(|k| spread[k] += (found.values[k] - value[k]).powi(2));
             (0..2).for_each(|k| away[k] += (turned(found.places[k] as f64 - peaks[k] + half / 2.0, half) - half / 2.0).powi(2));
         });
-        let bridged = Found::of(&best, both, true).values;
+        let bridged = Found::of(&best, None).values;
         let freed = of(&self.diameters(&self.freed)).values;
         let jumps = self.edges.iter().map(|edge| edge.1 * edge.1).sum::<f64>().sqrt();
         let u_mean = 2.0 * jumps / self.regular as f64 / (best.iter().sum::<f64>() / half);
@@ -132,7 +126,7 @@ impl Grid {
         };
         for k in 0..self.possible.rows() {
             let row = self.possible.row(k);
-            add(of(row), row[..n].iter().sum::<f64>() / n as f64);
+            add(of(row), sum(&row[..n]) / n as f64);
         }
         for &(place, jump) in &self.edges {
             add(project.each_ref().map(|project| project[place] * jump), jump / n as f64);
@@ -166,7 +160,7 @@ impl Grid {
         for k in 0..self.possible.rows() {
             let row = self.possible.row(k);
             let axes = [row[n] + row[n + 1], row[n + 2] + row[n + 3]];
-            add(row[..n].iter().sum(), dot(turn, &row[..n]), dot(&gradient, &row[..n]), axes);
+            add(sum(&row[..n]), dot(turn, &row[..n]), dot(&gradient, &row[..n]), axes);
         }
         for &(place, jump) in &self.edges {
             add(jump, turn[place] * jump, gradient[place] * jump, [0.0; 2]);

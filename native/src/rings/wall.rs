@@ -8,6 +8,7 @@ use super::matrix::Matrix;
 use super::noise::{possible, Noise};
 use super::statistics::{spread, turned};
 use super::stretches::{lone_points, sharp_jumps, split_runs, stretches};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 const START_HARMONICS: usize = 6;
@@ -126,9 +127,12 @@ impl Polar {
         Polar { angle, radius, cosine, sine, basis }
     }
 
-    fn basis_of(&self, harmonics: usize) -> Matrix {
+    fn basis_of(&self, harmonics: usize) -> Cow<'_, Matrix> {
         let (n, rows) = (self.basis.columns, 2 * harmonics + 1);
-        Matrix { columns: n, values: self.basis.values[..rows * n].to_vec() }
+        if rows == self.basis.rows() {
+            return Cow::Borrowed(&self.basis);
+        }
+        Cow::Owned(Matrix { columns: n, values: self.basis.values[..rows * n].to_vec() })
     }
 }
 
@@ -193,7 +197,7 @@ impl Stated {
 }
 
 impl Wall {
-    pub fn basis(&self) -> Matrix {
+    pub fn basis(&self) -> Cow<'_, Matrix> {
         self.polar.basis_of(self.fit.coefficients.len() / 2)
     }
 
