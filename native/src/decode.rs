@@ -1,14 +1,19 @@
-//! PNG, JPEG, TIFF and BMP files to arrays. Files are untrusted: whatever they hold, the answer is a whole image or an error, within a
+//! PNG, JPEG, TIFF, BMP, PGM and PPM files to arrays. Files are untrusted: whatever they hold, the answer is a whole image or an error, within a
 //! stated amount of memory. Alpha is dropped; orientation tags, gamma and colour profiles are ignored, for pixels are measurements here.
 
 mod bmp;
 mod jpeg;
+mod lying;
 mod png;
+mod png_plain;
+mod png_rows;
+mod pnm;
 mod samples;
+mod scratch;
 mod tiff;
 
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
@@ -37,6 +42,7 @@ enum Format {
     Jpeg,
     Tiff,
     Bmp,
+    Pnm,
 }
 
 impl Format {
@@ -47,7 +53,8 @@ impl Format {
             [0xff, 0xd8, ..] => Ok(Format::Jpeg),
             [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Ok(Format::Tiff),
             [b'B', b'M', ..] => Ok(Format::Bmp),
-            _ => Err("it is not a PNG, JPEG, TIFF or BMP image".into()),
+            [b'P', b'5' | b'6', b'#' | b' ' | b'\t'..=b'\r', ..] => Ok(Format::Pnm),
+            _ => Err("it is not a PNG, JPEG, TIFF, BMP, PGM or PPM image".into()),
         }
     }
 }
@@ -67,12 +74,29 @@ fn guarded<T>(work: impl FnOnce() -> Decoded<T>) -> Decoded<T> {
 }
 
 fn decode(data: &[u8], limit: usize) -> Decoded<Image> {
+    simple(data, limit).map_or_else(|| of_any_kind(data, limit), Ok)
+}
+
+/// By the short ways for what most files are; none where they do not lead to a whole image.
+fn simple(data: &[u8], limit: usize) -> Option<Image> {
+    let format = Format::of(&data[..data.len().min(SIGNATURE)]).ok()?;
+    guarded(|| match format {
+        Format::Png => png_plain::decode(data, limit).ok_or_else(String::new),
+        Format::Tiff => tiff::lying(data).ok_or_else(String::new)?.image(data, limit),
+        _ => Err(String::new()),
+    })
+    .ok()
+}
+
+/// By the decoders that know every kind of file and what can be wrong with it.
+fn of_any_kind(data: &[u8], limit: usize) -> Decoded<Image> {
     let format = Format::of(&data[..data.len().min(SIGNATURE)])?;
     guarded(|| match format {
         Format::Png => png::decode(data, limit),
         Format::Jpeg => jpeg::decode(data, limit),
         Format::Tiff => tiff::decode(data, limit),
         Format::Bmp => bmp::decode(data, limit),
+        Format::Pnm => pnm::lying(data)?.image(data, limit),
     })
 }
 
@@ -84,11 +108,13 @@ fn size(mut reader: impl BufRead + Seek) -> Decoded<(usize, usize)> {
         Format::Jpeg => jpeg::size(reader),
         Format::Tiff => tiff::size(reader),
         Format::Bmp => bmp::size(reader),
+        Format::Pnm => pnm::size(reader),
     })
 }
 
+/// A picture's file: its path, or its bytes.
 #[derive(FromPyObject)]
-enum Source<'py> {
+pub enum Source<'py> {
     #[pyo3(transparent, annotation = "bytes")]
     Data(Bound<'py, PyBytes>),
     #[pyo3(transparent, annotation = "str | os.PathLike[str]")]
@@ -104,12 +130,72 @@ fn regular_file(path: &Path) -> PyResult<u64> {
     }
 }
 
-fn read_file(path: &Path, limit: usize) -> PyResult<Vec<u8>> {
+/// `work` with the bytes of the file, in memory that the thread uses again.
+fn with_file<R>(path: &Path, limit: usize, work: impl FnOnce(&[u8]) -> PyResult<R>) -> PyResult<R> {
     let length = regular_file(path)?;
-    match length > limit as u64 {
-        true => Err(PyValueError::new_err(format!("it has {length} bytes, more than the limit of {limit}"))),
-        false => Ok(fs::read(path)?),
+    if length > limit as u64 {
+        return Err(PyValueError::new_err(format!("it has {length} bytes, more than the limit of {limit}")));
     }
+    scratch::with_file(|buffer| {
+        buffer.reserve(length as usize + 1);
+        File::open(path)?.take(limit as u64).read_to_end(buffer)?;
+        work(buffer)
+    })
+}
+
+/// `work` with the bytes of `source`, the GIL released.
+fn with_data<R: Send>(py: Python<'_>, source: &Source<'_>, limit: usize, work: impl FnOnce(&[u8]) -> PyResult<R> + Send) -> PyResult<R> {
+    match source {
+        Source::Data(data) => {
+            let data = data.as_bytes();
+            py.detach(|| work(data))
+        }
+        Source::Path(path) => py.detach(|| with_file(path, limit, work)),
+    }
+}
+
+/// Rows, columns and samples per pixel.
+#[derive(Clone, Copy)]
+pub struct Size {
+    pub height: usize,
+    pub width: usize,
+    pub channels: usize,
+}
+
+#[derive(Clone, Copy)]
+pub enum Pixels<'a> {
+    Eight(&'a [u8]),
+    Sixteen(&'a [u16]),
+}
+
+/// `work` on the picture in `source`, the GIL released; none where it cannot be read, needs more than `limit` bytes or is no picture.
+pub fn with_picture<R: Send>(py: Python<'_>, source: &Source<'_>, limit: usize, work: impl FnOnce(Size, Pixels) -> R + Send) -> Option<R> {
+    with_data(py, source, limit, |data| Ok(on_pixels(data, limit, work))).ok().flatten()
+}
+
+fn on_pixels<R>(data: &[u8], limit: usize, work: impl FnOnce(Size, Pixels) -> R) -> Option<R> {
+    if let Some((lying, pixels)) = lying(data).and_then(|lying| Some((lying, lying.ready(data, limit)?))) {
+        return Some(work(Size { height: lying.height, width: lying.width, channels: lying.channels }, Pixels::Eight(pixels)));
+    }
+    let Image { height, width, channels, samples } = decode(data, limit).ok()?;
+    let pixels = match &samples {
+        Samples::Eight(samples) => Pixels::Eight(samples),
+        Samples::Sixteen(samples) => Pixels::Sixteen(samples),
+    };
+    let result = work(Size { height, width, channels }, pixels);
+    scratch::give_back(samples);
+    Some(result)
+}
+
+/// Where the pixels lie in the file, if they do.
+fn lying(data: &[u8]) -> Option<lying::Lying> {
+    let format = Format::of(&data[..data.len().min(SIGNATURE)]).ok()?;
+    guarded(|| match format {
+        Format::Tiff => tiff::lying(data).ok_or_else(String::new),
+        Format::Pnm => pnm::lying(data),
+        _ => Err(String::new()),
+    })
+    .ok()
 }
 
 fn array<'py, T: Element>(py: Python<'py>, samples: Vec<T>, shape: (usize, usize, usize)) -> PyResult<Bound<'py, PyAny>> {
@@ -123,17 +209,13 @@ fn array<'py, T: Element>(py: Python<'py>, samples: Vec<T>, shape: (usize, usize
 /// The image in `source` (a path, or the bytes of a file): an array (h, w) or (h, w, 3), uint8 or uint16.
 ///
 /// Raises ValueError (the middle of a sentence: "it is truncated ...") for data that are not a whole image or need more than `limit`
-/// bytes, OSError for a file that cannot be read. The GIL is released meanwhile.
+/// bytes, OSError for a file that cannot be read. The GIL is released meanwhile. Not `simple`, the decoders for every kind of file are used
+/// where shorter ways lead to the same.
 #[pyfunction]
-#[pyo3(signature = (source, *, limit = LIMIT))]
-fn decode_image<'py>(py: Python<'py>, source: Source<'py>, limit: usize) -> PyResult<Bound<'py, PyAny>> {
-    let image = match &source {
-        Source::Data(data) => {
-            let data = data.as_bytes();
-            py.detach(|| decode(data, limit).map_err(PyValueError::new_err))
-        }
-        Source::Path(path) => py.detach(|| decode(&read_file(path, limit)?, limit).map_err(PyValueError::new_err)),
-    }?;
+#[pyo3(signature = (source, *, limit = LIMIT, simple = true))]
+fn decode_image<'py>(py: Python<'py>, source: Source<'py>, limit: usize, simple: bool) -> PyResult<Bound<'py, PyAny>> {
+    let way = if simple { decode } else { of_any_kind };
+    let image = with_data(py, &source, limit, |data| way(data, limit).map_err(PyValueError::new_err))?;
     let shape = (image.height, image.width, image.channels);
     match image.samples {
         Samples::Eight(samples) => array(py, samples, shape),

@@ -10,6 +10,7 @@ mod choice;
 mod features;
 mod fit;
 mod guide;
+mod in_file;
 mod lanes;
 mod learn;
 mod light;
@@ -65,28 +66,46 @@ fn arrays(py: Python<'_>, line: Line) -> Arrays<'_> {
 fn on_plane<T: Grey + numpy::Element, R: Send>(
     py: Python<'_>,
     image: &Bound<'_, PyAny>,
-    (band, vectors): (usize, Vectors),
+    source: (usize, Vectors),
     work: impl FnOnce(&Plane<T>) -> R + Send,
 ) -> PyResult<Option<R>> {
     let Ok(image) = image.extract::<PyReadonlyArrayDyn<'_, T>>() else { return Ok(None) };
     let (shape, data) = (image.shape(), image.as_slice()?);
-    let bands = if shape.len() == 3 { shape[2] } else { 1 };
-    let known = band < bands || (band == LUMA_BAND && bands == 3);
-    if !(2..=3).contains(&shape.len()) || !known || !shape[..2].iter().all(|side| (8..1 << 20).contains(side)) {
-        return Err(PyValueError::new_err(format!("an image must be (h, w) or (h, w, 3), at least 8 x 8, got {shape:?}")));
+    let looked = match *shape {
+        [height, width] => py.detach(|| on_band(data, (height, width, 1), source, work)),
+        [height, width, bands] => py.detach(|| on_band(data, (height, width, bands), source, work)),
+        _ => None,
+    };
+    match looked {
+        None => Err(PyValueError::new_err(format!("an image must be (h, w) or (h, w, 3), at least 8 x 8, got {shape:?}"))),
+        looked => Ok(looked),
     }
-    let (height, width) = (shape[0], shape[1]);
-    Ok(Some(py.detach(|| {
-        if band == LUMA_BAND {
-            work(&Plane { data: &luma(data), width, height, bands: 1, band: 0, vectors })
-        } else {
-            work(&Plane { data, width, height, bands, band, vectors })
-        }
-    })))
+}
+
+/// `work` on one band of the pixels `data`, as many rows, columns and bands as told; none where there is no such band or too few pixels.
+fn on_band<T: Grey, R>(
+    data: &[T],
+    (height, width, bands): (usize, usize, usize),
+    (band, vectors): (usize, Vectors),
+    work: impl FnOnce(&Plane<T>) -> R,
+) -> Option<R> {
+    let known = band < bands || (band == LUMA_BAND && bands == 3);
+    if !known || ![height, width].iter().all(|side| (8..1 << 20).contains(side)) {
+        return None;
+    }
+    Some(if band == LUMA_BAND {
+        work(&Plane { data: &luma(data), width, height, bands: 1, band: 0, vectors })
+    } else {
+        work(&Plane { data, width, height, bands, band, vectors })
+    })
 }
 
 fn not_an_image() -> PyErr {
     PyValueError::new_err("an image must be a C-contiguous array of uint8 or uint16")
+}
+
+fn unsound() -> PyErr {
+    PyValueError::new_err(format!("no rays can be laid into that annulus; lengths must stay below {FARTHEST} px"))
 }
 
 /// See `calibore.stripe._twin.ring_numpy`. ValueError with a sentence where there is no ring. Without `vectors` in scalar instructions
@@ -109,7 +128,7 @@ fn detect_ring<'py>(
     let (direction, counted) = (direction.as_slice()?, counted.as_slice()?);
     let annulus = Annulus { centre: [centre.0, centre.1], inner: radii.0, outer: radii.1, direction: direction.as_chunks().0, counted };
     if !annulus.is_sound() {
-        return Err(PyValueError::new_err(format!("no rays can be laid into that annulus; lengths must stay below {FARTHEST} px")));
+        return Err(unsound());
     }
     let measured = match on_plane::<u8, _>(py, image, source, |plane| ring::measure(plane, annulus, estimator))? {
         Some(measured) => measured,
@@ -143,5 +162,7 @@ fn detect_line<'py>(
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(detect_ring, module)?)?;
-    module.add_function(wrap_pyfunction!(detect_line, module)?)
+    module.add_function(wrap_pyfunction!(detect_line, module)?)?;
+    module.add_function(wrap_pyfunction!(in_file::detect_rings_in, module)?)?;
+    module.add_function(wrap_pyfunction!(in_file::detect_line_in, module)?)
 }

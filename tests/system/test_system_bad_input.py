@@ -93,7 +93,7 @@ def test_images_of_another_name_are_told_the_pattern_and_one_of_their_names(scan
 SPOILT_FILES = {
     "truncated": (lambda whole: whole[:2000], "truncated"),
     "empty": (lambda whole: b"", "empty (0 bytes)"),
-    "text": (lambda whole: b"this is no picture", "not a PNG, JPEG, TIFF or BMP"),
+    "text": (lambda whole: b"this is no picture", "not a PNG, JPEG, TIFF, BMP, PGM or PPM"),
     "header only": (lambda whole: whole[:30], "truncated"),
     "bits flipped": (lambda whole: whole[:1000] + bytes(255 - b for b in whole[1000:1100]) + whole[1100:], "corrupt"),
 }

@@ -1,10 +1,26 @@
 //! Decoded pixels and the few rearrangements that several formats share.
 
-use super::Decoded;
+use super::{scratch, Decoded};
 
 pub enum Samples {
     Eight(Vec<u8>),
     Sixteen(Vec<u16>),
+}
+
+impl Samples {
+    /// For `count` samples that are all to be written: they may hold those of an earlier picture.
+    pub fn eight(count: usize) -> Samples {
+        let Some(Samples::Eight(mut samples)) = scratch::samples() else { return Samples::Eight(vec![0; count]) };
+        samples.resize(count, 0);
+        Samples::Eight(samples)
+    }
+
+    /// As `eight`.
+    pub fn sixteen(count: usize) -> Samples {
+        let Some(Samples::Sixteen(mut samples)) = scratch::samples() else { return Samples::Sixteen(vec![0; count]) };
+        samples.resize(count, 0);
+        Samples::Sixteen(samples)
+    }
 }
 
 /// Pixels in rows from the top, `channels` (1 or 3) samples each.

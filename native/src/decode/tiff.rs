@@ -6,6 +6,7 @@ use ::tiff::decoder::{BufferLayoutPreference, Decoder, DecodingResult, Limits};
 use ::tiff::tags::{ByteOrder, PhotometricInterpretation, Tag};
 use ::tiff::{ColorType, TiffError};
 
+use super::lying::Lying;
 use super::samples::{unpacked, Image, Samples};
 use super::{checked_bytes, Decoded, TOO_LARGE, TRUNCATED};
 
@@ -30,6 +31,43 @@ fn opened<R: BufRead + Seek>(source: R, limit: usize) -> Decoded<Decoder<R>> {
 
 pub fn size(source: impl BufRead + Seek) -> Decoded<(usize, usize)> {
     dimensions(&mut opened(source, 0)?)
+}
+
+/// Where the pixels lie if they are uncompressed grey or colour of 8 or 16 bit in strips one after the other; none where they are not, or
+/// the file is unusual in any way.
+pub fn lying(data: &[u8]) -> Option<Lying> {
+    let mut decoder = opened(Cursor::new(data), 0).ok()?;
+    let (width, height) = dimensions(&mut decoder).ok()?;
+    let (channels, bits, light) = match decoder.colortype().ok()? {
+        ColorType::Gray(bits @ (8 | 16)) => (1, bits, PhotometricInterpretation::BlackIsZero),
+        ColorType::RGB(bits @ (8 | 16)) => (3, bits, PhotometricInterpretation::RGB),
+        _ => return None,
+    };
+    let mut number = |tag| decoder.find_tag_unsigned::<u16>(tag).ok();
+    let plain = [(Tag::Compression, 1), (Tag::Predictor, 1), (Tag::PlanarConfiguration, 1), (Tag::FillOrder, 1), (Tag::SampleFormat, 1)];
+    for (tag, usual) in plain {
+        if number(tag)?.is_some_and(|value| value != usual) {
+            return None;
+        }
+    }
+    if number(Tag::PhotometricInterpretation)? != Some(light.to_u16()) || number(Tag::TileWidth)?.is_some() {
+        return None;
+    }
+    let places = decoder.get_tag_u64_vec(Tag::StripOffsets).ok()?;
+    let counts = decoder.get_tag_u64_vec(Tag::StripByteCounts).ok()?;
+    let row = (width * channels * usize::from(bits / 8)) as u64;
+    let rows = decoder.find_tag_unsigned::<u32>(Tag::RowsPerStrip).ok()?.map_or(height as u64, |rows| u64::from(rows).min(height as u64));
+    let (mut next, mut left) = (*places.first()?, height as u64);
+    for (place, count) in places.iter().zip(&counts) {
+        if *place != next || left == 0 || *count != rows.min(left) * row {
+            return None;
+        }
+        (next, left) = (place.checked_add(*count)?, left - rows.min(left));
+    }
+    let big_endian = decoder.byte_order() == ByteOrder::BigEndian;
+    let white = if bits == 8 { u8::MAX.into() } else { u16::MAX.into() };
+    let lying = Lying { width, height, channels, start: places[0] as usize, white, big_endian };
+    (left == 0 && places.len() == counts.len()).then_some(lying)
 }
 
 pub fn decode(data: &[u8], limit: usize) -> Decoded<Image> {

@@ -10,7 +10,7 @@ from calibore.images._archive_writer import JOURNAL, Imported, write_archive
 from calibore.images._folder import ImageFolder
 from calibore.images._pattern import FIELDS, NamePattern
 from calibore.images._reading import LIMIT, ImageFileError, image_size, read_image
-from calibore.images._source import ImageSource, Pixels, Refusal, StationImages
+from calibore.images._source import ImageSource, PictureFile, Pixels, Refusal, StationImages
 from calibore.images._tables import Odometry, StationRow, read_odometry, read_station_table
 from calibore.images._video import CHANNELS, Video
 
@@ -26,6 +26,7 @@ __all__ = [
     "Imported",
     "NamePattern",
     "Odometry",
+    "PictureFile",
     "Pixels",
     "Refusal",
     "StationImages",

@@ -11,7 +11,9 @@ from pathlib import Path
 from calibore.errors import ImageError, InputError
 from calibore.images._pattern import NamePattern
 from calibore.images._reading import LIMIT, read_image
-from calibore.images._source import Pixels, Refusal, StationImages
+from calibore.images._source import PictureFile, Pixels, Refusal, StationImages
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".ppm")
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,8 @@ class ImageFolder:
             names = tuple(path.relative_to(self.folder).as_posix() for path in paths.values())
             # other machines are sent the files of this station, not of all
             read = partial(_read_one, paths, limit=self.limit)
-            yield StationImages(station, tuple(paths), read, angular=angular, names=names)
+            files = tuple(PictureFile(path, self.limit) for path in paths.values())
+            yield StationImages(station, tuple(paths), read, angular=angular, names=names, files=files)
 
     def read(self, station: int, take: int = 0, *, angular: int = 0) -> Pixels:
         """The pixels of one image; raises ImageError naming the file and why."""
@@ -94,9 +97,7 @@ def _nothing_matches(folder: Path, pattern: str) -> str:
     files = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
     if not files:
         return f'Image folder "{folder}" is empty: no file matches "{pattern}"; copy the images there.'
-    images = [
-        name for name in files if name.lower().endswith((".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"))
-    ] or files
+    images = [name for name in files if name.lower().endswith(SUFFIXES)] or files
     there = "1 file" if len(files) == 1 else f"{len(files)} files"
     return (
         f'No image in "{folder}" matches "{pattern}": there are {there}, for example "{images[0]}". '

@@ -20,10 +20,11 @@ class ImageFileError(ImageError):
 
 
 def read_image(path: Path, *, limit: int = LIMIT) -> Pixels:
-    """The pixels of a PNG, JPEG, TIFF or BMP file, shape (h, w) or (h, w, 3), 8 or 16 bit.
+    """The pixels of a PNG, JPEG, TIFF, BMP, PGM or PPM file, shape (h, w) or (h, w, 3), 8 or 16 bit.
 
-    A palette becomes its colours (grey where all are grey). Raises ImageError naming the file and why: truncated,
-    corrupt, empty, not an image, larger than `limit` bytes, unreadable.
+    A palette becomes its colours (grey where all are grey). Binary PGM and PPM are read; their levels are scaled where
+    white is neither 255 nor 65535. Raises ImageError naming the file and why: truncated, corrupt, empty, not an image,
+    larger than `limit` bytes, unreadable.
     """
     try:
         return decode_image(path, limit=limit)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -12,11 +13,20 @@ Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 
 
 @dataclass(frozen=True)
+class PictureFile:
+    """Where a picture is, and the most bytes that it may have."""
+
+    path: Path
+    limit: int
+
+
+@dataclass(frozen=True)
 class StationImages:
     """The pictures taken at one station.
 
     `read(take)` gives the pixels of one of `takes`, or raises ImageError for this image alone; it may be called from
     any thread, and for folders that is where the decoding happens. `names`: each take as a person would look for it.
+    `files`: where each take is, if it is a file that the compiled code reads by itself.
     """
 
     station: int
@@ -25,6 +35,11 @@ class StationImages:
     time_s: float | None = None
     angular: int = 0
     names: tuple[str, ...] = ()
+    files: tuple[PictureFile, ...] = ()
+
+    def file(self, take: int) -> PictureFile | None:
+        """Where one of `takes` is, None where it is no such file."""
+        return dict(zip(self.takes, self.files, strict=False)).get(take)
 
     def name(self, take: int) -> str:
         """The file name of one of `takes`, or what else its picture is called."""

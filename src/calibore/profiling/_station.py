@@ -18,6 +18,7 @@ from calibore.profiling._job import Job
 from calibore.profiling._lasers import alone_in
 from calibore.profiling._line_ring import LineOnWall, WallRays, line_on_wall
 from calibore.profiling._placement import Placement
+from calibore.profiling._reading import stripes_in
 from calibore.profiling._search import find_line
 from calibore.profiling._takes import combine_takes
 from calibore.scans import RingPoints, RingProfile
@@ -111,9 +112,7 @@ def find_lines(images: StationImages, job: Job) -> StationLines:
     lines = []
     for number in (number for number in images.takes if looks[number]):
         try:
-            picture = images.read(number)
-            for look in looks[number]:
-                stripe = find_line(picture, job.rig, look.search, channel=look.channel, estimator=job.estimator)
+            for look, stripe in zip(looks[number], stripes_in(images, number, job, looks[number]), strict=True):
                 lines.append(Line(number, look.laser, stripe))
         except ImageError as error:
             refused.append(refusal_of(images.name(number), error))

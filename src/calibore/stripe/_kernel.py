@@ -25,6 +25,11 @@ DEFAULT_KERNEL = "numpy" if _native is None else "native"
 KERNELS = ("native", "scalar", "numpy")
 
 
+def native() -> Any:
+    """The compiled code, None where it was not built."""
+    return _native
+
+
 def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) -> Stripe:
     """The ring in `picture`, measured by `kernel`; raises ImageError where there is none."""
     if not _is_native(kernel):
@@ -37,6 +42,11 @@ def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) 
         )
     except ValueError as error:
         raise ImageError(str(error)) from None
+    return as_stripe(direction, arrays, noise, scale, centre)
+
+
+def as_stripe(direction: Any, arrays: Any, noise: Any, scale: float, centre: Any = None) -> Stripe:
+    """What the compiled code has found on rays along `direction`."""
     u, v, u_position, status, height, correlation = arrays
     return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale, centre)
 
@@ -46,9 +56,7 @@ def line_by(kernel: str, picture: Picture, estimator: Estimator, *, down: bool) 
     if not _is_native(kernel):
         return freed_of_features(line_numpy(picture, estimator, down=down))
     arrays, noise, scale = _native.detect_line(picture.image, picture.band, int(estimator), down, kernel != "scalar")
-    u, v, u_position, status, height, correlation = arrays
-    direction = (rows if down else columns)(picture.image.shape).direction
-    return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale)
+    return as_stripe((rows if down else columns)(picture.image.shape).direction, arrays, noise, scale)
 
 
 def _is_native(kernel: str) -> bool:

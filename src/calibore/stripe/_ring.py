@@ -14,6 +14,8 @@ from calibore.stripe._rays import check_annulus, compass
 from calibore.stripe._stripe import Stripe
 from calibore.stripe._twin import Annulus
 
+RAYS = 1500
+"""Along which a ring is looked for, unless another number is asked for."""
 LEAST_RING = 0.05
 """A ring must be seen on at least this fraction of the rays."""
 
@@ -25,7 +27,7 @@ def detect_ring(
     inner: float,
     outer: float,
     channel: str = "luma",
-    rays: int = 1500,
+    rays: int = RAYS,
     estimator: str = "zero-crossing",
     sectors: Sequence[tuple[float, float]] | None = None,
     kernel: str = DEFAULT_KERNEL,

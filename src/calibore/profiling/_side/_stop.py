@@ -12,6 +12,7 @@ from calibore.geometry import Pose
 from calibore.images import Pixels, StationImages
 from calibore.profiling._line_ring import rays_of
 from calibore.profiling._placement import Placement
+from calibore.profiling._reading import line_down
 from calibore.profiling._search import check_size, exposure
 from calibore.profiling._side._column import Column, Strip, column_of, one_of_takes, rows_of
 from calibore.profiling._side._job import SideJob
@@ -78,10 +79,17 @@ def find_stop_lines(stop: Stop, job: SideJob) -> StopLines:
     lines = []
     for take in lit:
         try:
-            lines.append((take, _find_line(images.read(take), job)))
+            lines.append((take, _line_in(images, take, job)))
         except ImageError as error:
             refused.append(refusal_of(images.name(take), error))
     return StopLines(stop, tuple(lines), tuple(refused), unlit)
+
+
+def _line_in(images: StationImages, take: int, job: SideJob) -> Stripe:
+    stripe = line_down(images, take, job.rig, channel=job.channel, estimator=job.estimator)
+    if stripe is not None and np.count_nonzero(stripe.found) >= LEAST_LINE * stripe.u.size:
+        return stripe
+    return _find_line(images.read(take), job)
 
 
 def _find_line(image: Pixels, job: SideJob) -> Stripe:
