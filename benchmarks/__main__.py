@@ -17,7 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 PACKAGES = ("calibore", "numpy", "opencv-python-headless", "uncertainties")
-PARTS = ("kernel", "side_facing", "triangulation", "end_to_end_one", "end_to_end_two", "startup")
+PARTS = ("kernel", "side_facing", "triangulation", "end_to_end_one", "end_to_end_two", "decode", "startup")
 
 
 def part(name: str, *rest: str) -> list[str]:
@@ -40,7 +40,7 @@ def part(name: str, *rest: str) -> list[str]:
         triangulation,
     )
 
-    if name in ("kernel", "side_facing", "end_to_end_one", "archive"):
+    if name in ("kernel", "side_facing", "end_to_end_one", "decode", "archive"):
         timing.pin_to_one_core()
     tables = {
         "archive": archive.report,
@@ -48,6 +48,7 @@ def part(name: str, *rest: str) -> list[str]:
         "side_facing": side_facing.report,
         "end_to_end_one": lambda: end_to_end.report(1),
         "end_to_end_two": lambda: end_to_end.report(2),
+        "decode": end_to_end.decoding,
         "startup": startup.report,
         "triangulation": triangulation.report,
         "calibration": lambda: calibration.report(*rest),

@@ -2,7 +2,7 @@
 
 `profile_scan`   a scan folder in, a result folder out
 `measure_scan`   the same station by station, for programs that keep results in memory
-`measure_image`  one picture in memory to a `Ring` on the clock grid
+`measure_image`  one picture in memory or in a file to a `Ring` on the clock grid
 `prepare`        reads and checks what a scan folder says before its first image is read
 `archive_scan`   a scan folder in, one that holds its pictures in an archive out
 """

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import ImageError
 from calibore.geometry import Pose, clock_of
-from calibore.images import ImageFileError, Pixels, StationImages
+from calibore.images import LIMIT, ImageFileError, PictureFile, Pixels, StationImages, read_image
 from calibore.metrics import RingQuantities, RingShape, ring_quantities
 from calibore.profiling._fusion import fuse_lasers
 from calibore.profiling._grid import Ring
@@ -18,7 +19,7 @@ from calibore.profiling._job import Job
 from calibore.profiling._lasers import alone_in
 from calibore.profiling._line_ring import LineOnWall, WallRays, line_on_wall
 from calibore.profiling._placement import Placement
-from calibore.profiling._reading import stripes_in
+from calibore.profiling._reading import stripes_in, stripes_of
 from calibore.profiling._search import find_line
 from calibore.profiling._takes import combine_takes
 from calibore.scans import RingPoints, RingProfile
@@ -80,13 +81,15 @@ class StationResult:
     unlit: tuple[int, ...] = ()
 
 
-def measure_image(image: Pixels, job: Job, *, laser: int = 0) -> Ring:
-    """The ring of one laser in one picture (h, w) or (h, w, 3) on the clock grid; raises ImageError if there is none.
-
-    The other lasers of the rig must be dark, or of another colour.
+def measure_image(image: Pixels | Path, job: Job, *, laser: int = 0) -> Ring:
+    """The ring of one laser in one picture (h, w) or (h, w, 3), or its file, on the clock grid; raises ImageError if
+    there is none. The other lasers of the rig must be dark, or of another colour.
     """
     look = job.looks[laser]
-    stripe = find_line(image, job.rig, look.search, channel=look.channel, estimator=job.estimator)
+    if isinstance(image, Path):
+        (stripe,) = stripes_of(PictureFile(image, LIMIT), partial(read_image, image), job, [look])
+    else:
+        stripe = find_line(image, job.rig, look.search, channel=look.channel, estimator=job.estimator)
     return line_on_wall(stripe, job.rig, laser=laser, prior_radius=job.nominal_radius).ring
 
 
