@@ -4,9 +4,11 @@
 mod bmp;
 mod jpeg;
 mod lying;
+mod picture;
 mod png;
 mod png_plain;
 mod png_rows;
+mod png_together;
 mod pnm;
 mod samples;
 mod scratch;
@@ -17,11 +19,12 @@ use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 
-use numpy::{Element, PyArray1, PyArrayMethods};
+use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIsADirectoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+pub use picture::{with_picture, Pixels, Size};
 use samples::{Image, Samples};
 
 /// Most bytes that an image may have by default, decoded or as a file.
@@ -154,50 +157,6 @@ fn with_data<R: Send>(py: Python<'_>, source: &Source<'_>, limit: usize, work: i
     }
 }
 
-/// Rows, columns and samples per pixel.
-#[derive(Clone, Copy)]
-pub struct Size {
-    pub height: usize,
-    pub width: usize,
-    pub channels: usize,
-}
-
-#[derive(Clone, Copy)]
-pub enum Pixels<'a> {
-    Eight(&'a [u8]),
-    Sixteen(&'a [u16]),
-}
-
-/// `work` on the picture in `source`, the GIL released; none where it cannot be read, needs more than `limit` bytes or is no picture.
-pub fn with_picture<R: Send>(py: Python<'_>, source: &Source<'_>, limit: usize, work: impl FnOnce(Size, Pixels) -> R + Send) -> Option<R> {
-    with_data(py, source, limit, |data| Ok(on_pixels(data, limit, work))).ok().flatten()
-}
-
-fn on_pixels<R>(data: &[u8], limit: usize, work: impl FnOnce(Size, Pixels) -> R) -> Option<R> {
-    if let Some((lying, pixels)) = lying(data).and_then(|lying| Some((lying, lying.ready(data, limit)?))) {
-        return Some(work(Size { height: lying.height, width: lying.width, channels: lying.channels }, Pixels::Eight(pixels)));
-    }
-    let Image { height, width, channels, samples } = decode(data, limit).ok()?;
-    let pixels = match &samples {
-        Samples::Eight(samples) => Pixels::Eight(samples),
-        Samples::Sixteen(samples) => Pixels::Sixteen(samples),
-    };
-    let result = work(Size { height, width, channels }, pixels);
-    scratch::give_back(samples);
-    Some(result)
-}
-
-/// Where the pixels lie in the file, if they do.
-fn lying(data: &[u8]) -> Option<lying::Lying> {
-    let format = Format::of(&data[..data.len().min(SIGNATURE)]).ok()?;
-    guarded(|| match format {
-        Format::Tiff => tiff::lying(data).ok_or_else(String::new),
-        Format::Pnm => pnm::lying(data),
-        _ => Err(String::new()),
-    })
-    .ok()
-}
-
 fn array<'py, T: Element>(py: Python<'py>, samples: Vec<T>, shape: (usize, usize, usize)) -> PyResult<Bound<'py, PyAny>> {
     let flat = PyArray1::from_vec(py, samples);
     match shape {
@@ -223,6 +182,31 @@ fn decode_image<'py>(py: Python<'py>, source: Source<'py>, limit: usize, simple:
     }
 }
 
+/// Pixels (h, w, 3) of three planes (h, w), all of uint8 or all of uint16.
+#[pyfunction]
+fn interleave<'py>(py: Python<'py>, planes: [Bound<'py, PyAny>; 3]) -> PyResult<Bound<'py, PyAny>> {
+    match of_planes::<u8>(py, &planes)? {
+        Some(pixels) => Ok(pixels),
+        None => of_planes::<u16>(py, &planes)?.ok_or_else(|| PyValueError::new_err("planes must be of one shape, uint8 or uint16")),
+    }
+}
+
+/// None where one of the planes is not of `T`, or not as large as the first.
+fn of_planes<'py, T: Element + Copy + Default + Send + Sync>(
+    py: Python<'py>,
+    planes: &[Bound<'py, PyAny>; 3],
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let planes = planes.each_ref().map(|plane| plane.extract::<PyReadonlyArray2<'py, T>>());
+    let [Ok(red), Ok(green), Ok(blue)] = planes else { return Ok(None) };
+    let [height, width] = *red.shape() else { return Ok(None) };
+    if green.shape() != red.shape() || blue.shape() != red.shape() {
+        return Ok(None);
+    }
+    let planes = [red.as_slice()?, green.as_slice()?, blue.as_slice()?];
+    let samples = py.detach(|| samples::interleaved(planes));
+    array(py, samples, (height, width, planes.len())).map(Some)
+}
+
 /// (width, height) in pixels from the header of `source` alone; errors as for `decode_image`.
 #[pyfunction]
 fn image_size(py: Python<'_>, source: Source<'_>) -> PyResult<(usize, usize)> {
@@ -237,5 +221,6 @@ fn image_size(py: Python<'_>, source: Source<'_>) -> PyResult<(usize, usize)> {
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decode_image, module)?)?;
+    module.add_function(wrap_pyfunction!(interleave, module)?)?;
     module.add_function(wrap_pyfunction!(image_size, module)?)
 }

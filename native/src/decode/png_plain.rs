@@ -2,6 +2,7 @@
 //! the decoder for all kinds, which says what is wrong; what is decoded here is what it would give.
 
 use super::png_rows::unfilter;
+use super::png_together::{rows_together, unfilter_together, MARGIN};
 use super::samples::{Image, Samples};
 use super::scratch::{with_inflation, Inflation};
 
@@ -57,8 +58,8 @@ pub fn decode(data: &[u8], limit: usize) -> Option<Image> {
         if stored > packed.len().saturating_mul(LARGEST_RATIO) {
             return None;
         }
-        rows.resize(stored, 0);
-        if inflater.zlib_decompress(packed, rows).ok()? != stored {
+        rows.resize(stored + MARGIN, 0);
+        if inflater.zlib_decompress(packed, &mut rows[..stored]).ok()? != stored {
             return None;
         }
         pixels_of(&header, rows)
@@ -88,29 +89,50 @@ fn unpacked(data: &[u8], packed: &mut Vec<u8>) -> Option<Header> {
     }
 }
 
-/// From `rows` as stored, each after a byte that names its filter.
+/// From `rows` as stored, each after a byte that names its filter, and a margin after the last.
 fn pixels_of(header: &Header, rows: &mut [u8]) -> Option<Image> {
-    let size = (header.width, header.height);
     let (row, step) = (header.row(), header.step());
     let mut samples = match header.bytes_per_sample {
         1 => Samples::eight(row * header.height),
         _ => Samples::sixteen(row / 2 * header.height),
     };
-    let first = vec![0; row];
-    let mut above: &[u8] = &first;
-    for (number, stored) in rows.chunks_exact_mut(row + 1).enumerate() {
+    let together = rows_together(step);
+    let (mut above, mut start, mut number) = (vec![0; row], 0, 0);
+    while number < header.height {
+        let count = together.filter(|count| number + count <= header.height).unwrap_or(1);
+        let group = rows.get_mut(start..start + count * (row + 1) + MARGIN)?;
+        if count == 1 || !unfilter_together(step, &above, group, header.width) {
+            one_by_one(step, &above, &mut group[..count * (row + 1)])?;
+        }
+        for stored in group.chunks_exact(row + 1).take(count) {
+            put(&mut samples, number * row, &stored[1..]);
+            number += 1;
+        }
+        above.copy_from_slice(&group[count * (row + 1) - row..][..row]);
+        start += count * (row + 1);
+    }
+    Some(Image::without_alpha((header.width, header.height), header.stored, samples))
+}
+
+fn one_by_one(step: usize, above: &[u8], rows: &mut [u8]) -> Option<()> {
+    let mut above = above;
+    for stored in rows.chunks_exact_mut(above.len() + 1) {
         let (filter, bytes) = stored.split_first_mut()?;
         if !unfilter(*filter, step, above, bytes) {
             return None;
         }
-        match &mut samples {
-            Samples::Eight(samples) => samples[number * row..][..row].copy_from_slice(bytes),
-            Samples::Sixteen(samples) => {
-                let target = samples[number * row / 2..][..row / 2].iter_mut();
-                target.zip(bytes.as_chunks().0).for_each(|(sample, pair)| *sample = u16::from_be_bytes(*pair));
-            }
-        }
         above = bytes;
     }
-    Some(Image::without_alpha(size, header.stored, samples))
+    Some(())
+}
+
+/// `bytes` where they belong, `at` bytes from the first.
+fn put(samples: &mut Samples, at: usize, bytes: &[u8]) {
+    match samples {
+        Samples::Eight(samples) => samples[at..at + bytes.len()].copy_from_slice(bytes),
+        Samples::Sixteen(samples) => {
+            let target = samples[at / 2..].iter_mut();
+            target.zip(bytes.as_chunks().0).for_each(|(sample, pair)| *sample = u16::from_be_bytes(*pair));
+        }
+    }
 }

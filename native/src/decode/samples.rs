@@ -57,6 +57,16 @@ impl Image {
     }
 }
 
+/// Three planes of one colour each as pixels.
+pub fn interleaved<T: Copy + Default>(planes: [&[T]; 3]) -> Vec<T> {
+    let [red, green, blue] = planes;
+    let mut samples = vec![T::default(); 3 * red.len()];
+    for (((pixel, red), green), blue) in samples.as_chunks_mut().0.iter_mut().zip(red).zip(green).zip(blue) {
+        *pixel = [*red, *green, *blue];
+    }
+    samples
+}
+
 fn first_channels<T: Copy>(mut samples: Vec<T>, stored: usize, kept: usize) -> Vec<T> {
     if stored == kept {
         return samples;

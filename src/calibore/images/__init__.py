@@ -5,6 +5,7 @@ measurements: orientation tags, gamma and colour profiles are ignored, alpha is 
 sensor wrote.
 """
 
+from calibore.images._ahead import read_ahead
 from calibore.images._archive import ImageArchive
 from calibore.images._archive_writer import JOURNAL, Imported, write_archive
 from calibore.images._folder import ImageFolder
@@ -33,6 +34,7 @@ __all__ = [
     "StationRow",
     "Video",
     "image_size",
+    "read_ahead",
     "read_image",
     "read_odometry",
     "read_station_table",

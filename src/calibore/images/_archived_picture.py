@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore._native import interleave
 from calibore.images._source import Pixels
 
 CHANNELS = ("red", "green", "blue")
@@ -89,10 +90,7 @@ def unpacked(data: bytes, form: Form) -> Pixels:
     planes = [data[start:stop] for start, stop in _places(data[-index_size(form) :], form, len(data))]
     if not form.colour:
         return _plane(planes[0], form)
-    pixels = np.empty((form.height, form.width, form.planes), form.dtype)
-    for band, plane in enumerate(planes):
-        pixels[:, :, band] = _plane(plane, form)
-    return pixels
+    return interleave([_plane(plane, form) for plane in planes])
 
 
 def read_band(path: Path, form: Form, *, band: int) -> Pixels:
