@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from calibore.crews import Workers, in_order
 from calibore.errors import InputError
-from calibore.images import ImageSource, StationImages
+from calibore.images import ImageFolder, ImageSource, StationImages, read_ahead
 from calibore.lasers import Beam
 from calibore.profiling._job import Job
 from calibore.profiling._lasers import check_told_apart
@@ -59,11 +59,14 @@ class _Reading:
     source: ImageSource
     place: Placer
     tally: Tally
+    ahead: bool = False
+    """Whether the system is told of files before they are wanted: not where other machines read them."""
     unplaced: list[tuple[int, int]] = field(default_factory=list)
     """Station and number of its images."""
 
     def __iter__(self) -> Iterator[tuple[StationImages, Placement]]:
-        for images in self.source.stations():
+        stations = self.source.stations()
+        for images in read_ahead(stations) if self.ahead else stations:
             self.tally.see(images)
             placement = self.place(images)
             if placement is None:
@@ -115,7 +118,7 @@ def measure_scan(
     Nearly all of a station is compiled code that does not hold Python's lock, so workers do all of it side by side.
     `sweep` [m]: how far along the pipe the light is followed over a place (`spacetime_reach`); None: no further.
     """
-    reading = _Reading(source, place, tally)
+    reading = _Reading(source, place, tally, isinstance(source, ImageFolder) and not isinstance(workers, Cluster))
     stops = reading if sweep is None else windows(reading, sweep)
     for result in in_order(stops, partial(_measured, job), workers=workers):
         if isinstance(result, StationRefusedError):
