@@ -11,10 +11,12 @@ import google_crc32c
 import numpy as np
 import pytest
 import zarr
+from calibore._native import interleave
 from numcodecs.zstd import Zstd
 
 from calibore.errors import CaliboreError, ImageError, InputError
 from calibore.images import ImageArchive, ImageFileError, ImageFolder, write_archive
+from calibore.images._archived_picture import Form, packed, unpacked
 
 NAMES = "ring {station:03d} {take}.png"
 WORKERS = 2
@@ -268,3 +270,27 @@ def test_memory_does_not_grow_with_the_number_of_pictures(tmp_path):
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] - peaks[0] < picture.nbytes / 4
+
+
+def test_pictures_read_one_after_the_other_keep_their_own_pixels() -> None:
+    rng = np.random.default_rng(9)
+    pictures = [rng.integers(0, 256, (12, 14, 3), dtype=np.uint8) for _ in range(3)]
+    pictures.append(rng.integers(0, 65536, (12, 14, 3), dtype=np.uint16))
+    files = [(packed(picture), Form.of(picture)) for picture in pictures]
+    read = [unpacked(data, form) for data, form in files + files]
+    assert all(np.array_equal(one, two) for one, two in zip(read, pictures + pictures, strict=True))
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_planes_are_interleaved_as_numpy_stacks_them(dtype: type) -> None:
+    rng = np.random.default_rng(10)
+    for height, width in [(1, 1), (3, 11), (40, 67)]:
+        planes = list(rng.integers(0, np.iinfo(dtype).max, (3, height, width), dtype=dtype, endpoint=True))
+        assert np.array_equal(interleave(planes), np.stack(planes, axis=-1))
+
+
+def test_planes_that_do_not_belong_together_are_refused() -> None:
+    plane = np.zeros((4, 5), np.uint8)
+    for other in (plane[:3], plane.astype(np.uint16), plane.astype(float), plane[None]):
+        with pytest.raises(ValueError, match="one shape"):
+            interleave([plane, plane, other])

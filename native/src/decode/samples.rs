@@ -59,12 +59,28 @@ impl Image {
 
 /// Three planes of one colour each as pixels.
 pub fn interleaved<T: Copy + Default>(planes: [&[T]; 3]) -> Vec<T> {
-    let [red, green, blue] = planes;
-    let mut samples = vec![T::default(); 3 * red.len()];
+    let mut samples = vec![T::default(); 3 * planes[0].len()];
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        fn wide<T: Copy>(planes: [&[T]; 3], samples: &mut [T]) {
+            interleave(planes, samples);
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has what the function needs
+            unsafe { wide(planes, &mut samples) };
+            return samples;
+        }
+    }
+    interleave(planes, &mut samples);
+    samples
+}
+
+#[inline(always)]
+fn interleave<T: Copy>([red, green, blue]: [&[T]; 3], samples: &mut [T]) {
     for (((pixel, red), green), blue) in samples.as_chunks_mut().0.iter_mut().zip(red).zip(green).zip(blue) {
         *pixel = [*red, *green, *blue];
     }
-    samples
 }
 
 fn first_channels<T: Copy>(mut samples: Vec<T>, stored: usize, kept: usize) -> Vec<T> {

@@ -7,6 +7,7 @@ chunk as its decompression takes (docs/reference/archive.md).
 import os
 import re
 import struct
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,9 @@ ZSTD_LEVEL = 12
 BLOSC_LEVEL = 7
 """16 bit: zstd of the bytes sorted by place, so that the high bytes, nearly all equal, stand together."""
 CRC = struct.Struct("<I")
+KEPT = 1 << 26
+"""Most bytes that a thread keeps between pictures: fresh memory costs the system a page fault for every 4 kB."""
+_ROOM = threading.local()
 _NAME = re.compile(r"(grey|colour)(8|16)_(\d+)x(\d+)")
 
 
@@ -87,10 +91,20 @@ def packed(pixels: Pixels) -> bytes:
 
 def unpacked(data: bytes, form: Form) -> Pixels:
     """The pixels (h, w) or (h, w, 3) of a file; raises DamagedError."""
-    planes = [data[start:stop] for start, stop in _places(data[-index_size(form) :], form, len(data))]
+    places = _places(data[-index_size(form) :], form, len(data))
     if not form.colour:
-        return _plane(planes[0], form)
-    return interleave([_plane(plane, form) for plane in planes])
+        return _plane(data[slice(*places[0])], form)
+    return interleave([_plane(data[slice(*place)], form, at) for place, at in zip(places, _room(form), strict=True)])
+
+
+def _room(form: Form) -> NDArray[Any]:
+    """Memory (3, h, w) for the planes of one picture, that of this thread's last one if it was of the same form."""
+    room = getattr(_ROOM, "planes", None)
+    shape = (form.planes, form.height, form.width)
+    if room is None or room.shape != shape or room.dtype != form.dtype:
+        room = np.empty(shape, form.dtype)
+        _ROOM.planes = room if room.nbytes <= KEPT else None
+    return room
 
 
 def read_band(path: Path, form: Form, *, band: int) -> Pixels:
@@ -126,8 +140,9 @@ def _places(index: bytes, form: Form, size: int) -> list[tuple[int, int]]:
     return places
 
 
-def _plane(sealed: bytes, form: Form) -> NDArray[Any]:
-    plane = np.zeros((form.height, form.width), form.dtype)
+def _plane(sealed: bytes, form: Form, room: NDArray[Any] | None = None) -> NDArray[Any]:
+    plane = np.empty((form.height, form.width), form.dtype) if room is None else room
+    plane.fill(0)
     body = _opened(sealed)
     try:
         _codec(form).decode(body, out=plane)  # never writes more than `plane` holds, whatever the file says
