@@ -118,7 +118,7 @@ def measure_scan(
     Nearly all of a station is compiled code that does not hold Python's lock, so workers do all of it side by side.
     `sweep` [m]: how far along the pipe the light is followed over a place (`spacetime_reach`); None: no further.
     """
-    reading = _Reading(source, place, tally, isinstance(source, ImageFolder) and not isinstance(workers, Cluster))
+    reading = _Reading(source, place, tally, isinstance(source, ImageFolder) and isinstance(workers, int))
     stops = reading if sweep is None else windows(reading, sweep)
     for result in in_order(stops, partial(_measured, job), workers=workers):
         if isinstance(result, StationRefusedError):
