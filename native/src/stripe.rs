@@ -29,6 +29,7 @@ mod settings;
 mod statistics;
 mod trace;
 mod vectors;
+mod walk;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

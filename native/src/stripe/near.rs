@@ -29,7 +29,7 @@ impl Near {
             let span = ((middle - reach).max(0) as usize, end);
             trace.read(plane, &ray.track(), Look::Within(span), gate, margin);
             finder.standing(&trace, |peak| best = best.filter(|b| b.height >= peak.height).or(Some(peak)));
-            if best.is_some_and(|peak| batch.add(&trace.value, settings.half_fit(), &peak, index)) {
+            if best.is_some_and(|peak| batch.add(trace.values(), settings.half_fit(), &peak, index)) {
                 batches.push(std::mem::replace(&mut batch, Batch::new()));
             }
         }

@@ -51,9 +51,9 @@ impl<'a> Finder<'a> {
     /// All peaks of the ray in `trace` that stand out, in order along the ray.
     pub fn standing(&mut self, trace: &Trace, mut found: impl FnMut(Standing)) {
         let window = self.settings.window;
-        let windows = (trace.value.len() + 1).saturating_sub(window);
+        let windows = (trace.values().len() + 1).saturating_sub(window);
         let half = (window - 1) as f64 / 2.0;
-        let values = &trace.value[..];
+        let values = trace.values();
         let mut next = 0;
         for (number, &(first, last)) in trace.stretches.iter().enumerate() {
             // a peak one sample beside the stretch still counts as lit; one window more on each side for rounding

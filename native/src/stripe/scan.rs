@@ -59,7 +59,7 @@ pub fn scan<'a, T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, loo
     for (index, ray) in rays.rays.iter().enumerate() {
         found.clear();
         trace.read(plane, &ray.track(), look(index), gate, margin);
-        finder.standing(&trace, |peak| found.extend(refiner.place(&trace.value, &peak).map(|place| (peak, place))));
+        finder.standing(&trace, |peak| found.extend(refiner.place(trace.values(), &peak).map(|place| (peak, place))));
         if found.len() > 1 {
             found.sort_by(|(a, _): &(Standing, f64), (b, _)| b.height.total_cmp(&a.height));
             found.truncate(MOST_PEAKS);
@@ -67,7 +67,7 @@ pub fn scan<'a, T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, loo
         for (peak, position) in &found {
             let (height, background, width) = (peak.height, peak.base, peak.width());
             peaks.push(Peak { position: *position, height, background, width, u: 0.0, saturated: peak.saturated });
-            refiner.add(&trace.value, peak, peaks.len() - 1, &mut peaks);
+            refiner.add(trace.values(), peak, peaks.len() - 1, &mut peaks);
         }
         ends.push(peaks.len());
     }
