@@ -1,6 +1,6 @@
 //! Settings of a scan, learnt from the picture (see the Python module `_learn`).
 
-use super::near::Near;
+use super::near::places_near;
 use super::noise::{background_noise, pixel_noise, speckle, CONTRAST};
 use super::rays::{Ray, Rays};
 use super::sampling::{Grey, Plane};
@@ -19,7 +19,7 @@ const FEWEST_TO_LEARN: usize = 24;
 const NARROWEST_LINE: f64 = 0.6;
 const WIDEST_LINE: f64 = 12.0;
 const SMALLEST_WINDOW: f64 = 6.0;
-const LARGEST_WINDOW: f64 = 32.0;
+pub const LARGEST_WINDOW: f64 = 32.0;
 const FLOORS: [f64; 3] = [0.01, 0.07, 0.5];
 const LOST: f64 = 0.05;
 const RAISED: f64 = 0.03;
@@ -94,11 +94,10 @@ fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settin
     };
     let trials = FLOORS.map(with_floor);
     let scatter_of = |place: &[f64]| neighbour_scatter(place, settings.noise.width, rays.spacing, settings.vectors);
-    let near = Near::highest(plane, rays, found, &settings);
-    let tried = near.places_under(&trials);
+    let tried = places_near(plane, rays, found, &settings, &trials);
     let (mut floors, mut scatter) = (FLOORS, tried.each_ref().map(|(place, _)| scatter_of(place)));
     if tried[0].1 > LOST {
-        let [(place, lost)] = near.places_under(&[with_floor(RAISED)]);
+        let [(place, lost)] = places_near(plane, rays, found, &settings, &[with_floor(RAISED)]);
         (floors[0], scatter[0]) = (RAISED, if lost > LOST { f64::INFINITY } else { scatter_of(&place) });
     }
     let first = usize::from(scatter[0] == f64::INFINITY && floors[0] == RAISED);
