@@ -8,9 +8,10 @@ use super::scan::Candidates;
 use super::scatter::neighbour_scatter;
 use super::settings::{Estimator, Noise, Settings, PUBLISHED_WINDOW};
 use super::statistics::{median, Histogram};
+use super::walk::nearest;
 
 const PUBLISHED_THRESHOLD: f64 = 45.0;
-const SPARSE: usize = 48;
+pub const SPARSE: usize = 48;
 const FLOOR_RANK: usize = 20;
 const PROMINENT: f64 = 6.0;
 const FAINTEST: f64 = 0.08;
@@ -37,7 +38,7 @@ pub fn first_settings<T: Grey>(plane: &Plane<T>, rays: &Rays, estimator: Estimat
         line.clear();
         match plane.aligned(&track, first) {
             Some((pixels, pace)) => line.extend(pixels.iter().step_by(pace).take(end - first).map(|pixel| pixel.level())),
-            None => line.extend((first..end).map(|sample| plane.data[plane.nearest_index(track.at(sample))].level())),
+            None => nearest(plane, (track.at(first), track.step), end - first, &mut line),
         }
         values.add(&line);
         brightest.extend(line.iter().max().map(|&value| f64::from(value)));

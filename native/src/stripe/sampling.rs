@@ -84,13 +84,6 @@ impl<T: Grey> Plane<'_, T> {
         (row * self.width + column) * self.bands + self.band
     }
 
-    /// Where in `data` the pixel nearest to a place in fixed point lies that is inside.
-    #[inline(always)]
-    pub fn nearest_index(&self, [column, row]: [i64; 2]) -> usize {
-        const HALF: i64 = ONE / 2;
-        self.index(((column + HALF) >> 32) as usize, ((row + HALF) >> 32) as usize)
-    }
-
     /// Bilinear brightness at a place in fixed point that is inside, exact for places rounded down to 2^-16 px.
     fn bilinear_at(&self, [column, row]: [i64; 2]) -> f64 {
         const PART: i64 = 1 << 16;
