@@ -93,15 +93,12 @@ fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settin
         let additive = settings.noise.additive.max((fraction * height) * (fraction * height));
         Settings { noise: Noise { additive, ..settings.noise.clone() }, ..settings.clone() }
     };
-    let trials = FLOORS.map(with_floor);
-    let scatter_of = |place: &[f64]| neighbour_scatter(place, settings.noise.width, rays.spacing, settings.vectors);
-    let tried = places_near(plane, rays, found, &settings, &trials);
-    let (mut floors, mut scatter) = (FLOORS, tried.each_ref().map(|(place, _)| scatter_of(place)));
-    if tried[0].1 > LOST {
-        let [(place, lost)] = places_near(plane, rays, found, &settings, &[with_floor(RAISED)]);
-        (floors[0], scatter[0]) = (RAISED, if lost > LOST { f64::INFINITY } else { scatter_of(&place) });
-    }
-    let first = usize::from(scatter[0] == f64::INFINITY && floors[0] == RAISED);
-    let best = (first..floors.len()).reduce(|best, k| if scatter[k] < scatter[best] { k } else { best }).unwrap_or(0);
-    with_floor(floors[best])
+    // to fit once more takes less time than to know first whether it is wanted
+    let floors = [FLOORS[0], FLOORS[1], FLOORS[2], RAISED];
+    let tried = places_near(plane, rays, found, &settings, &floors.map(with_floor));
+    let least = [0, 3].into_iter().find(|&k| tried[k].1 <= LOST);
+    let scatter_of = |k: usize| neighbour_scatter(&tried[k].0, settings.noise.width, rays.spacing, settings.vectors);
+    let scatters = least.into_iter().chain([1, 2]).map(|k| (scatter_of(k), floors[k]));
+    let best = scatters.reduce(|best, next| if next.0 < best.0 { next } else { best });
+    with_floor(best.map_or(RAISED, |(_, floor)| floor))
 }
