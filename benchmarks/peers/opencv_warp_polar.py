@@ -60,12 +60,22 @@ def centroid(u: np.ndarray, v: np.ndarray) -> tuple[float, float]:
     )
 
 
-def ring(image: np.ndarray, centre: tuple[float, float], inner: float, outer: float, band: int, peaks=parabola_peaks):
-    """(u, v) of the ring, NaN where not found; `image` (h, w, 3)."""
+def ring(
+    image: np.ndarray,
+    centre: tuple[float, float],
+    inner: float,
+    outer: float,
+    band: int,
+    peaks=parabola_peaks,
+    most: int = 8,
+):
+    """(u, v) of the ring, NaN where not found; `image` (h, w, 3), unwrapped `most` times at most: once is enough for
+    who starts from the centre of the picture before.
+    """
     plane = np.ascontiguousarray(image[:, :, band])
     azimuth = np.arange(RAYS) * (2 * np.pi / RAYS)
     cos, sin = np.cos(azimuth), np.sin(azimuth)
-    for _ in range(8):
+    for _ in range(most):
         radius = int(inner) + peaks(unwrap(plane, centre, inner, outer))
         u, v = centre[0] + radius * cos, centre[1] + radius * sin
         found = np.isfinite(u)

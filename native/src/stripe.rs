@@ -4,9 +4,11 @@
 // comparisons are negated where NaN must fall on the cautious side
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+mod batch;
 mod centre;
 mod chain;
 mod choice;
+mod describe;
 mod features;
 mod fit;
 mod guide;
@@ -29,6 +31,7 @@ mod settings;
 mod statistics;
 mod trace;
 mod vectors;
+mod walk;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

@@ -1,63 +1,14 @@
 //! One weighted Gauss-Newton step of a Gaussian line, for several peaks at once (see the Python module `_refine`).
 
-use super::lanes::{Lanes, LANES};
-use super::peak::Standing;
-use super::settings::{Settings, WIDEST_FIT};
+use super::batch::{Batch, MOST};
+use super::lanes::Lanes;
+use super::settings::Settings;
 use super::vectors::{vectorised, Vectors};
 
 /// Least determinant, relative to its diagonal, at which the samples still fix a place.
 const SINGULAR: f64 = 1e-12;
-/// Most samples in a Gauss-Newton window.
-const MOST: usize = 2 * WIDEST_FIT + 1;
 /// Speckle correlation below this is none.
 const UNCORRELATED: f64 = 1e-6;
-
-/// Peaks waiting to be fitted together, with the samples about them.
-pub struct Batch {
-    pub filled: usize,
-    pub peaks: [Standing; LANES],
-    /// Where the results belong.
-    pub targets: [usize; LANES],
-    /// Samples of the window, NaN outside the picture and the ray.
-    window: [Lanes; MOST],
-    /// Middle sample minus position.
-    offset: Lanes,
-    height: Lanes,
-    background: Lanes,
-}
-
-impl Batch {
-    pub fn new() -> Self {
-        Batch {
-            filled: 0,
-            peaks: [Standing::default(); LANES],
-            targets: [0; LANES],
-            window: [Lanes::ZERO; MOST],
-            offset: Lanes::ZERO,
-            height: Lanes::ZERO,
-            background: Lanes::ZERO,
-        }
-    }
-
-    /// Adds a peak on a ray of samples `y`, fitted to `half` samples on each side; true once the batch is full.
-    pub fn add(&mut self, y: &[f64], half: usize, peak: &Standing, target: usize) -> bool {
-        let (lane, middle) = (self.filled, (peak.position + 0.5) as usize);
-        (self.peaks[lane], self.targets[lane]) = (*peak, target);
-        self.offset.0[lane] = middle as f64 - peak.position;
-        (self.height.0[lane], self.background.0[lane]) = (peak.height, peak.background);
-        let window = &mut self.window[..2 * half + 1];
-        match middle.checked_sub(half).and_then(|low| y.get(low..=middle + half)) {
-            Some(samples) => window.iter_mut().zip(samples).for_each(|(lanes, sample)| lanes.0[lane] = *sample),
-            None => {
-                for (k, lanes) in window.iter_mut().enumerate() {
-                    lanes.0[lane] = (middle + k).checked_sub(half).and_then(|at| y.get(at)).copied().unwrap_or(f64::NAN);
-                }
-            }
-        }
-        self.filled += 1;
-        self.filled == LANES
-    }
-}
 
 /// The fit under one noise model.
 pub struct Fit {
@@ -116,12 +67,12 @@ impl Fit {
     fn stepped(&mut self, batch: &Batch) -> Lanes {
         self.gaussian(batch);
         let [amplitude, position, level] = inverse_row(self.normal(batch));
-        let amplitude = amplitude / batch.height;
+        let amplitude = amplitude / batch.shape.height;
         let mut moved = Lanes::ZERO;
-        let samples = self.functional.iter_mut().zip(&self.line).zip(&self.slope).zip(&batch.window);
+        let samples = self.functional.iter_mut().zip(&self.line).zip(&self.slope).zip(batch.to_fit(self.half));
         for (((functional, line), slope), sample) in samples.take(2 * self.half + 1) {
             *functional *= amplitude * *line + position * *slope + level;
-            moved += (*functional * (*sample - *line - batch.background)).where_less(*sample, self.white);
+            moved += (*functional * (*sample - *line - batch.shape.background)).where_less(*sample, self.white);
         }
         moved
     }
@@ -149,10 +100,10 @@ impl Fit {
         let (mut aa, mut ab, mut ac, mut bb, mut bc, mut cc) =
             (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
         let mut z = (batch.offset - Lanes::all(self.half as f64)) * self.inverse;
-        let samples = self.line.iter_mut().zip(&mut self.slope).zip(&mut self.functional).zip(&batch.window);
+        let samples = self.line.iter_mut().zip(&mut self.slope).zip(&mut self.functional).zip(batch.to_fit(self.half));
         for (((line, slope), weight), sample) in samples.take(2 * self.half + 1) {
             let shape = *slope;
-            *line = batch.height * shape;
+            *line = batch.shape.height * shape;
             *slope = *line * z;
             let variance = self.additive + (self.gain + self.contrast * *line) * *line;
             *weight = (Lanes::all(1.0) / variance).where_less(*sample, self.white);

@@ -22,6 +22,18 @@ impl Lanes {
         Lanes(from_fn(|k| if tested.0[k] < limit.0[k] { self.0[k] } else { 0.0 }))
     }
 
+    /// `yes` where it is at least `limit`, `no` elsewhere and where it is NaN.
+    #[inline(always)]
+    pub fn at_least(self, limit: Lanes, yes: Lanes, no: Lanes) -> Self {
+        Lanes(from_fn(|k| if self.0[k] >= limit.0[k] { yes.0[k] } else { no.0[k] }))
+    }
+
+    /// The smaller one, `self` where `other` is NaN.
+    #[inline(always)]
+    pub fn least(self, other: Lanes) -> Self {
+        Lanes(from_fn(|k| if other.0[k] < self.0[k] { other.0[k] } else { self.0[k] }))
+    }
+
     /// Exponential of numbers between -2 and 2, to 1e-12: the fourth power of a short series.
     #[inline(always)]
     pub fn exponential(self) -> Self {

@@ -1,6 +1,6 @@
 //! Settings of a scan, learnt from the picture (see the Python module `_learn`).
 
-use super::near::Near;
+use super::near::places_near;
 use super::noise::{background_noise, pixel_noise, speckle, CONTRAST};
 use super::rays::{Ray, Rays};
 use super::sampling::{Grey, Plane};
@@ -8,9 +8,10 @@ use super::scan::Candidates;
 use super::scatter::neighbour_scatter;
 use super::settings::{Estimator, Noise, Settings, PUBLISHED_WINDOW};
 use super::statistics::{median, Histogram};
+use super::walk::nearest;
 
 const PUBLISHED_THRESHOLD: f64 = 45.0;
-const SPARSE: usize = 48;
+pub const SPARSE: usize = 48;
 const FLOOR_RANK: usize = 20;
 const PROMINENT: f64 = 6.0;
 const FAINTEST: f64 = 0.08;
@@ -19,7 +20,7 @@ const FEWEST_TO_LEARN: usize = 24;
 const NARROWEST_LINE: f64 = 0.6;
 const WIDEST_LINE: f64 = 12.0;
 const SMALLEST_WINDOW: f64 = 6.0;
-const LARGEST_WINDOW: f64 = 32.0;
+pub const LARGEST_WINDOW: f64 = 32.0;
 const FLOORS: [f64; 3] = [0.01, 0.07, 0.5];
 const LOST: f64 = 0.05;
 const RAISED: f64 = 0.03;
@@ -37,7 +38,7 @@ pub fn first_settings<T: Grey>(plane: &Plane<T>, rays: &Rays, estimator: Estimat
         line.clear();
         match plane.aligned(&track, first) {
             Some((pixels, pace)) => line.extend(pixels.iter().step_by(pace).take(end - first).map(|pixel| pixel.level())),
-            None => line.extend((first..end).map(|sample| plane.data[plane.nearest_index(track.at(sample))].level())),
+            None => nearest(plane, (track.at(first), track.step), end - first, &mut line),
         }
         values.add(&line);
         brightest.extend(line.iter().max().map(|&value| f64::from(value)));
@@ -92,16 +93,12 @@ fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settin
         let additive = settings.noise.additive.max((fraction * height) * (fraction * height));
         Settings { noise: Noise { additive, ..settings.noise.clone() }, ..settings.clone() }
     };
-    let trials = FLOORS.map(with_floor);
-    let scatter_of = |place: &[f64]| neighbour_scatter(place, settings.noise.width, rays.spacing, settings.vectors);
-    let near = Near::highest(plane, rays, found, &settings);
-    let tried = near.places_under(&trials);
-    let (mut floors, mut scatter) = (FLOORS, tried.each_ref().map(|(place, _)| scatter_of(place)));
-    if tried[0].1 > LOST {
-        let [(place, lost)] = near.places_under(&[with_floor(RAISED)]);
-        (floors[0], scatter[0]) = (RAISED, if lost > LOST { f64::INFINITY } else { scatter_of(&place) });
-    }
-    let first = usize::from(scatter[0] == f64::INFINITY && floors[0] == RAISED);
-    let best = (first..floors.len()).reduce(|best, k| if scatter[k] < scatter[best] { k } else { best }).unwrap_or(0);
-    with_floor(floors[best])
+    // to fit once more takes less time than to know first whether it is wanted
+    let floors = [FLOORS[0], FLOORS[1], FLOORS[2], RAISED];
+    let tried = places_near(plane, rays, found, &settings, &floors.map(with_floor));
+    let least = [0, 3].into_iter().find(|&k| tried[k].1 <= LOST);
+    let scatter_of = |k: usize| neighbour_scatter(&tried[k].0, settings.noise.width, rays.spacing, settings.vectors);
+    let scatters = least.into_iter().chain([1, 2]).map(|k| (scatter_of(k), floors[k]));
+    let best = scatters.reduce(|best, next| if next.0 < best.0 { next } else { best });
+    with_floor(best.map_or(RAISED, |(_, floor)| floor))
 }

@@ -1,15 +1,18 @@
 //! The sub-pixel place of a peak and its standard uncertainty, by the estimator asked for (see the Python module `_refine`).
 
-use super::fit::{Batch, Fit};
+use super::batch::Batch;
+use super::describe::describe;
+use super::fit::Fit;
+use super::lanes::Lanes;
 use super::literature::{brightest, centroid, correlation, parabola};
-use super::peak::Standing;
-use super::scan::Peak;
+use super::scan::{Candidates, Peak};
 use super::settings::{Estimator, Settings};
 
 /// A step longer than this has left the peak.
 const LONGEST_STEP: f64 = 2.0;
+const FULL_WIDTH: f64 = 2.354820045;
 
-/// Refines many peaks under the same settings.
+/// Describes and refines many peaks under the same settings.
 pub struct Refiner<'a> {
     settings: &'a Settings,
     fit: Fit,
@@ -18,59 +21,70 @@ pub struct Refiner<'a> {
 
 impl<'a> Refiner<'a> {
     pub fn new(settings: &'a Settings) -> Self {
-        Refiner { settings, fit: Fit::new(settings), batch: Batch::new() }
+        Refiner { settings, fit: Fit::new(settings), batch: Batch::new(settings) }
     }
 
-    /// Place of a peak on a ray of samples `y` before any Gauss-Newton step, or none where the estimator finds no peak.
-    pub fn place(&self, y: &[f64], peak: &Standing) -> Option<f64> {
-        let window = || {
-            let (middle, half) = ((peak.position + 0.5) as usize, self.fit.half());
-            let low = middle.saturating_sub(half);
-            (low, &y[low..=(middle + half).min(y.len() - 1)])
-        };
-        match self.settings.estimator {
-            Estimator::ZeroCrossing | Estimator::Crossing => Some(peak.position),
-            Estimator::Parabola => parabola(y, peak, self.settings.window),
-            Estimator::Maximum => Some(brightest(window())),
-            Estimator::Threshold => Some(0.5 * (peak.rise + peak.fall)),
-            Estimator::Centroid => Some(centroid(window(), peak.background)),
-            Estimator::Correlation => Some(correlation(window(), peak, self.settings.noise.width)),
+    /// Has the peak at `position` (and the fraction of it between two windows) on a ray of samples `y` refined now or with later ones.
+    #[inline(always)]
+    pub fn add(&mut self, y: &[f64], position: (f64, f64), ray: usize, found: &mut Candidates) {
+        if self.batch.add(y, position, ray) {
+            self.finish(found);
         }
     }
 
-    /// Has the peak at `index` of `peaks`, `standing` on a ray of samples `y`, fitted now or with later ones.
-    pub fn add(&mut self, y: &[f64], standing: &Standing, index: usize, peaks: &mut [Peak]) {
-        if self.settings.estimator != Estimator::Crossing && self.batch.add(y, self.fit.half(), standing, index) {
-            self.finish(peaks);
-        }
-    }
-
-    /// Fits the peaks that are waiting.
-    pub fn finish(&mut self, peaks: &mut [Peak]) {
-        let (moved, u) = (self.fit.step(&self.batch), self.fit.uncertainty());
-        for lane in 0..self.batch.filled {
-            let (standing, peak) = (&self.batch.peaks[lane], &mut peaks[self.batch.targets[lane]]);
-            let u = if moved.0[lane].is_nan() { (standing.fall - standing.rise) / 12f64.sqrt() } else { u.0[lane] };
-            peak.u = match self.settings.estimator {
-                Estimator::ZeroCrossing => {
-                    peak.position = moved_place(standing, moved.0[lane]);
-                    if moved.0[lane].abs() > LONGEST_STEP {
-                        u.hypot(moved.0[lane])
-                    } else {
-                        u
-                    }
-                }
+    /// Adds the waiting ones that stand out to those `found`.
+    pub fn finish(&mut self, found: &mut Candidates) {
+        describe(&mut self.batch, self.settings);
+        let (moved, u) = self.fitted();
+        for lane in (0..self.batch.filled).filter(|&lane| self.batch.shape.stands[lane]) {
+            let Some(place) = self.place(lane, moved.0[lane]) else { continue };
+            let shape = &self.batch.shape;
+            let span = shape.fall.0[lane] - shape.rise.0[lane];
+            let u = if moved.0[lane].is_nan() { span / 12f64.sqrt() } else { u.0[lane] };
+            let u = match self.settings.estimator {
+                Estimator::Crossing => 0.0,
+                Estimator::ZeroCrossing if moved.0[lane].abs() > LONGEST_STEP => u.hypot(moved.0[lane]),
                 Estimator::Maximum => u.hypot((1.0f64 / 12.0).sqrt()),
                 _ => u,
             };
+            let (height, background, width) = (shape.height.0[lane], shape.base.0[lane], span / FULL_WIDTH);
+            found.add(self.batch.rays[lane], Peak { position: place, height, background, width, u, saturated: shape.saturated[lane] });
         }
         self.batch.filled = 0;
     }
+
+    /// The Gauss-Newton steps and uncertainties of the batch, if anybody wants them.
+    fn fitted(&mut self) -> (Lanes, Lanes) {
+        if self.settings.estimator == Estimator::Crossing || !self.batch.shape.stands.contains(&true) {
+            return (Lanes::ZERO, Lanes::ZERO);
+        }
+        (self.fit.step(&self.batch), self.fit.uncertainty())
+    }
+
+    /// Place of one peak of the batch, or none where the estimator finds no peak.
+    fn place(&self, lane: usize, moved: f64) -> Option<f64> {
+        let (batch, shape, settings) = (&self.batch, &self.batch.shape, self.settings);
+        let (position, background) = (batch.position.0[lane], shape.background.0[lane]);
+        let (first, samples) = match settings.estimator {
+            Estimator::ZeroCrossing => return Some(moved_place(position, moved)),
+            Estimator::Crossing => return Some(position),
+            Estimator::Threshold => return Some(0.5 * (shape.rise.0[lane] + shape.fall.0[lane])),
+            Estimator::Parabola => batch.samples(lane, settings.reach()),
+            _ => batch.samples(lane, self.fit.half()),
+        };
+        let window = (first, &samples[..]);
+        match settings.estimator {
+            Estimator::Parabola => parabola(window, (position, batch.fraction.0[lane]), settings.window),
+            Estimator::Maximum => Some(brightest(window)),
+            Estimator::Centroid => Some(centroid(window, background)),
+            _ => Some(correlation(window, (position, background), settings.noise.width)),
+        }
+    }
 }
 
-/// The place of a peak after its Gauss-Newton step; the zero crossing where that has left the peak or there is none.
-pub fn moved_place(peak: &Standing, moved: f64) -> f64 {
-    peak.position + if has_left(moved) { 0.0 } else { moved }
+/// The place of a peak at `position` after its Gauss-Newton step; the zero crossing where that has left the peak or there is none.
+pub fn moved_place(position: f64, moved: f64) -> f64 {
+    position + if has_left(moved) { 0.0 } else { moved }
 }
 
 /// Whether a Gauss-Newton step has left the peak, or there is none.

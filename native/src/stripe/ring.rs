@@ -3,7 +3,7 @@
 use super::centre::ring_centre;
 use super::choice::RESOLVED;
 use super::guide::{guided_spans, COARSE, LEAST_MARGIN};
-use super::learn::{first_settings, learn_noise};
+use super::learn::{first_settings, learn_noise, SPARSE};
 use super::measure::{Line, Sight};
 use super::rays::{Annulus, Rays};
 use super::sampling::{Grey, Plane};
@@ -55,7 +55,7 @@ impl Approach {
 
 /// Coarse scans: learns the settings, and moves the centre of `ring` until it is near enough for the last one to guide.
 fn approach<T: Grey>(plane: &Plane<T>, ring: &mut Annulus, estimator: Estimator) -> Result<(Settings, Approach), &'static str> {
-    let mut settings = first_settings(plane, &ring.every(1), estimator).ok_or(OUTSIDE)?;
+    let mut settings = first_settings(plane, &ring.every((ring.direction.len() / SPARSE).max(1)), estimator).ok_or(OUTSIDE)?;
     if settings.prominence >= UNCLEAR * settings.white {
         return Err(NOTHING);
     }
@@ -108,22 +108,31 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Reads a little along all rows of the annulus and forgets it: rays cross the rows, and a picture that is not in the processor's cache comes
-/// into it several times faster in the order in which it lies in memory.
+/// Has all rows of the annulus fetched: rays cross the rows, and a picture that is not in the processor's cache comes into it several times
+/// faster in the order in which it lies in memory.
 fn sweep<T: Grey>(plane: &Plane<T>, ring: &Annulus) {
     const CACHE_LINE: usize = 64;
     let half = |radius: f64, row: f64| (radius * radius - row * row).max(0.0).sqrt();
     let [column, middle] = ring.centre;
     let within = |place: f64, end: usize| place.clamp(0.0, end as f64) as usize;
-    let mut seen = 0;
     for row in within(middle - ring.outer, plane.height)..within(middle + ring.outer, plane.height) {
         let across = row as f64 - middle;
         let (outer, inner) = (half(ring.outer, across), half(ring.inner, across));
         for (from, to) in [(column - outer, column - inner), (column + inner, column + outer)] {
             let (from, to) = (plane.index(within(from, plane.width), row), plane.index(within(to, plane.width), row));
-            let values = plane.data.get(from..to).unwrap_or(&[]);
-            seen |= values.iter().step_by(CACHE_LINE / size_of::<T>()).fold(0, |seen, value| seen | value.level());
+            plane.data.get(from..to).unwrap_or(&[]).iter().step_by(CACHE_LINE / size_of::<T>()).for_each(fetch);
         }
     }
-    std::hint::black_box(seen);
+}
+
+/// Asks for a value to be brought near, and does not wait for it.
+#[inline(always)]
+fn fetch<T: Grey>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch reads nothing and writes nothing, and every x86-64 processor has it
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T1 }>(std::ptr::from_ref(value).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    std::hint::black_box(value.level());
 }

@@ -3,7 +3,8 @@
 use std::ops::BitAnd;
 
 use super::rays::{Track, ONE};
-use super::vectors::{vectorised, Vectors};
+use super::vectors::Vectors;
+use super::walk::bilinear;
 
 /// A grey value of 8 or 16 bits.
 pub trait Grey:
@@ -18,17 +19,15 @@ pub trait Grey:
     fn level(self) -> u32 {
         self.into()
     }
+
+    /// The first of some values in the lowest bits, that `bands` (= `BANDS` unless 0) after it in the highest.
+    fn pair<const BANDS: usize>(values: &[Self], bands: usize) -> u32;
 }
 
 /// Only every second sample is looked at to find bright ones: of the three that can make a peak lit, one is among them.
 pub const STRIDE: usize = 2;
 /// Values of a picture row looked at together: a whole number of vectors, and of strides over one or three bands.
 pub const BLOCK: usize = 96;
-
-/// Parts of a pixel between which brightness is interpolated.
-const PARTS: f64 = 65536.0;
-/// Samples interpolated together.
-const TOGETHER: usize = 8;
 
 macro_rules! white_at_every {
     ($kind:ident, $pace:expr) => {{
@@ -42,16 +41,31 @@ macro_rules! white_at_every {
 }
 
 macro_rules! grey {
-    ($($kind:ident),*) => {$(
+    ($($kind:ident $pair:item),*) => {$(
         impl Grey for $kind {
             const WHITE: u32 = $kind::MAX as u32;
             const GREY_ROW: &'static [Self; BLOCK] = &white_at_every!($kind, STRIDE);
             const COLOUR_ROW: &'static [Self; BLOCK] = &white_at_every!($kind, 3 * STRIDE);
+            #[inline(always)]
+            $pair
         }
     )*};
 }
 
-grey!(u8, u16);
+grey!(
+    u8
+    fn pair<const BANDS: usize>(values: &[u8], bands: usize) -> u32 {
+        if BANDS == 3 {
+            values.first_chunk().map_or(0, |four| u32::from_le_bytes(*four))
+        } else {
+            u32::from(values[0]) | u32::from(values[bands]) << 24
+        }
+    },
+    u16
+    fn pair<const BANDS: usize>(values: &[u16], bands: usize) -> u32 {
+        u32::from(values[0]) | u32::from(values[bands]) << 16
+    }
+);
 
 /// One colour band of an image in memory: `data[(row * width + column) * bands + band]`.
 pub struct Plane<'a, T> {
@@ -70,24 +84,15 @@ impl<T: Grey> Plane<'_, T> {
         (row * self.width + column) * self.bands + self.band
     }
 
-    /// Where in `data` the pixel nearest to a place in fixed point lies that is inside.
-    #[inline(always)]
-    pub fn nearest_index(&self, [column, row]: [i64; 2]) -> usize {
-        const HALF: i64 = ONE / 2;
-        self.index(((column + HALF) >> 32) as usize, ((row + HALF) >> 32) as usize)
-    }
-
-    /// Bilinear brightness at a place in fixed point that is inside, exact for places rounded down to 2^-16 px. Places on the last column
-    /// or row need `EDGE`.
-    #[inline(always)]
-    fn bilinear<const EDGE: bool>(&self, [column, row]: [i64; 2]) -> f64 {
+    /// Bilinear brightness at a place in fixed point that is inside, exact for places rounded down to 2^-16 px.
+    fn bilinear_at(&self, [column, row]: [i64; 2]) -> f64 {
         const PART: i64 = 1 << 16;
         let (mut left, mut top) = (column >> 32, row >> 32);
         let (mut x, mut y) = (i64::from(column as u32 >> 16), i64::from(row as u32 >> 16));
-        if EDGE && left == self.width as i64 - 1 {
+        if left == self.width as i64 - 1 {
             (left, x) = (left - 1, PART);
         }
-        if EDGE && top == self.height as i64 - 1 {
+        if top == self.height as i64 - 1 {
             (top, y) = (top - 1, PART);
         }
         let at = self.index(left as usize, top as usize);
@@ -116,57 +121,19 @@ impl<T: Grey> Plane<'_, T> {
         whole.then(|| (self.data.get(self.index((at[0] >> 32) as usize, (at[1] >> 32) as usize)..).unwrap_or(&[]), pace))
     }
 
-    /// Bilinear brightness of the samples from `first` on, all of which are inside.
-    pub fn interpolate(&self, track: &Track, first: usize, values: &mut [f64]) {
+    /// Bilinear brightness of the samples from `first` to before `end`, all of which are inside, at their places among the `values`.
+    pub fn interpolate(&self, track: &Track, (first, end): (usize, usize), values: &mut [f64]) {
         if let Some((pixels, pace)) = self.aligned(track, first) {
-            values.iter_mut().zip(pixels.iter().step_by(pace)).for_each(|(value, pixel)| *value = (*pixel).into());
+            values[first..end].iter_mut().zip(pixels.iter().step_by(pace)).for_each(|(value, pixel)| *value = (*pixel).into());
             return;
         }
-        let ([mut column, mut row], [right, down]) = (track.at(first), track.step);
         let last = [(self.width as i64 - 1) * ONE, (self.height as i64 - 1) * ONE];
         let on_edge = |at: [i64; 2]| at[0] >= last[0] || at[1] >= last[1];
-        if on_edge([column, row]) || on_edge(track.at(first + values.len())) {
-            for value in values {
-                *value = self.bilinear::<true>([column, row]);
-                (column, row) = (column + right, row + down);
-            }
+        if on_edge(track.at(first)) || on_edge(track.at(end)) {
+            values[first..end].iter_mut().zip(first..).for_each(|(value, sample)| *value = self.bilinear_at(track.at(sample)));
         } else {
-            interpolate(self, [column, row], track.step, values);
+            bilinear(self, (track.at(first), track.step), end - first, &mut values[first..]);
         }
-    }
-}
-
-/// Bilinear brightness from a place on, by steps that stay inside and off the last column and row.
-fn interpolate<T: Grey>(plane: &Plane<T>, from: [i64; 2], step: [i64; 2], values: &mut [f64]) {
-    vectorised!(plane.vectors, interpolate_of<T: Grey>(plane: &Plane<'_, T>, from: [i64; 2], step: [i64; 2], values: &mut [f64]))
-}
-
-#[inline(always)]
-fn interpolate_of<T: Grey>(plane: &Plane<T>, [mut column, mut row]: [i64; 2], [right, down]: [i64; 2], values: &mut [f64]) {
-    let (data, bands, pace) = (plane.data, plane.bands, plane.bands * plane.width);
-    let (whole, rest) = values.as_chunks_mut::<TOGETHER>();
-    for values in whole {
-        let (mut x, mut y) = ([0i32; TOGETHER], [0i32; TOGETHER]);
-        let (mut a, mut b, mut c, mut d) = ([0i32; TOGETHER], [0i32; TOGETHER], [0i32; TOGETHER], [0i32; TOGETHER]);
-        for k in 0..TOGETHER {
-            (x[k], y[k]) = ((column as u32 >> 16) as i32, (row as u32 >> 16) as i32);
-            let at = (row >> 32) as usize * pace + (column >> 32) as usize * bands + plane.band;
-            let block = &data[at..at + pace + bands + 1];
-            (a[k], b[k]) = (block[0].level() as i32, block[bands].level() as i32);
-            (c[k], d[k]) = (block[pace].level() as i32, block[pace + bands].level() as i32);
-            (column, row) = (column + right, row + down);
-        }
-        // whole numbers below 2^53: as exact as in fixed point
-        for k in 0..TOGETHER {
-            let (x, y) = (f64::from(x[k]), f64::from(y[k]));
-            let upper = f64::from(a[k]) * PARTS + x * f64::from(b[k] - a[k]);
-            let lower = f64::from(c[k]) * PARTS + x * f64::from(d[k] - c[k]);
-            values[k] = (upper * PARTS + y * (lower - upper)) * (1.0 / ONE as f64);
-        }
-    }
-    for value in rest {
-        *value = plane.bilinear::<false>([column, row]);
-        (column, row) = (column + right, row + down);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Candidates on every ray, highest first (see the Python module `_scan`).
 
-use super::peak::{margin, Finder, Standing};
+use super::peak::{margin, Finder};
 use super::rays::Rays;
 use super::refine::Refiner;
 use super::sampling::{Grey, Plane};
@@ -34,6 +34,25 @@ impl Candidates {
         first..self.ends[ray]
     }
 
+    /// Adds one of a ray whose others are the last ones.
+    #[inline(always)]
+    pub fn add(&mut self, ray: usize, peak: Peak) {
+        self.close(ray);
+        self.peaks.push(peak);
+    }
+
+    /// No more are to come of the rays before `ray`: of each the highest ones are kept, highest first.
+    fn close(&mut self, ray: usize) {
+        while self.ends.len() < ray {
+            let first = self.ends.last().copied().unwrap_or(0);
+            if self.peaks.len() > first + 1 {
+                self.peaks[first..].sort_by(|a, b| b.height.total_cmp(&a.height));
+                self.peaks.truncate(first + MOST_PEAKS);
+            }
+            self.ends.push(self.peaks.len());
+        }
+    }
+
     pub fn rays(&self) -> usize {
         self.ends.len()
     }
@@ -52,25 +71,15 @@ pub fn gate_of(settings: &Settings) -> u32 {
 /// Candidates of every ray, looked for where `look` says.
 pub fn scan<'a, T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, look: impl Fn(usize) -> Look<'a>) -> Candidates {
     let count = rays.rays.len();
-    let (mut peaks, mut ends) = (Vec::with_capacity(count), Vec::with_capacity(count));
-    let (mut trace, mut found) = (Trace::new(rays.samples), Vec::with_capacity(16));
+    let (mut found, mut trace) =
+        (Candidates { peaks: Vec::with_capacity(count), ends: Vec::with_capacity(count) }, Trace::new(rays.samples));
     let (mut finder, mut refiner) = (Finder::new(settings), Refiner::new(settings));
     let (gate, margin) = (gate_of(settings), margin(settings));
     for (index, ray) in rays.rays.iter().enumerate() {
-        found.clear();
         trace.read(plane, &ray.track(), look(index), gate, margin);
-        finder.standing(&trace, |peak| found.extend(refiner.place(&trace.value, &peak).map(|place| (peak, place))));
-        if found.len() > 1 {
-            found.sort_by(|(a, _): &(Standing, f64), (b, _)| b.height.total_cmp(&a.height));
-            found.truncate(MOST_PEAKS);
-        }
-        for (peak, position) in &found {
-            let (height, background, width) = (peak.height, peak.base, peak.width());
-            peaks.push(Peak { position: *position, height, background, width, u: 0.0, saturated: peak.saturated });
-            refiner.add(&trace.value, peak, peaks.len() - 1, &mut peaks);
-        }
-        ends.push(peaks.len());
+        finder.crossings(&trace, |position| refiner.add(trace.values(), position, index, &mut found));
     }
-    refiner.finish(&mut peaks);
-    Candidates { peaks, ends }
+    refiner.finish(&mut found);
+    found.close(count);
+    found
 }

@@ -33,8 +33,9 @@ fn forgotten(width: f64, spacing: f64) -> usize {
 /// Robust scatter about neighbours just beyond the reach of the noise correlation; infinite if there are too few.
 pub fn neighbour_scatter(position: &[f64], width: f64, spacing: f64, vectors: Vectors) -> f64 {
     let places = Places { position, variance: vec![1.0; position.len()], closed: false, vectors };
-    let mut squares = places.squares(forgotten(width, spacing).max(1), Vec::new());
-    match robust_square(&mut squares) {
+    let mut squares = vec![0.0; position.len()];
+    let known = places.squares(forgotten(width, spacing).max(1), &mut squares);
+    match robust_square(&mut squares, known) {
         Some((ratio, _)) => (ratio / SECOND_DIFFERENCE).sqrt(),
         None => f64::INFINITY,
     }
@@ -44,10 +45,10 @@ pub fn neighbour_scatter(position: &[f64], width: f64, spacing: f64, vectors: Ve
 pub fn observe(position: &[f64], u: &[f64], width: f64, spacing: f64, closed: bool, vectors: Vectors) -> Scatter {
     let far = forgotten(width, spacing).clamp(3, (position.len() / 16).max(3));
     let places = Places { position, variance: u.iter().map(|u| u * u).collect(), closed, vectors };
-    let (mut ratios, mut freed, mut squares) = (Vec::with_capacity(far + 2), Vec::with_capacity(far + 2), Vec::new());
+    let (mut ratios, mut freed, mut squares) = (Vec::with_capacity(far + 2), Vec::with_capacity(far + 2), vec![0.0; position.len()]);
     for lag in 1..far + 3 {
-        squares = places.squares(lag, squares);
-        let (ratio, start) = robust_square(&mut squares).unwrap_or((f64::NAN, f64::NAN));
+        let known = places.squares(lag, &mut squares);
+        let (ratio, start) = robust_square(&mut squares, known).unwrap_or((f64::NAN, f64::NAN));
         ratios.push(ratio);
         freed.push(if start.is_nan() { start } else { mean_square(&squares, start, vectors) });
     }
@@ -75,53 +76,53 @@ fn correlation(ratios: &[f64], total: f64, far: usize) -> Vec<f64> {
     correlation[1..far].to_vec()
 }
 
-/// Robust mean square, as the median tells it and as its upper neighbour does; none if too few. Reorders `squares`.
-fn robust_square(squares: &mut [f64]) -> Option<(f64, f64)> {
+/// Robust mean square of the `known` smallest, as the median tells it and as its upper neighbour does; none if too few. Reorders `squares`.
+fn robust_square(squares: &mut [f64], known: usize) -> Option<(f64, f64)> {
     let of_median = |median: f64| median / (NORMAL_HALF * NORMAL_HALF);
-    (squares.len() >= FEWEST).then(|| {
-        let (lower, upper) = middle_two(squares);
+    (known >= FEWEST).then(|| {
+        let (lower, upper) = middle_two(squares, known);
         (of_median(0.5 * (lower + upper)), of_median(upper))
     })
 }
 
 impl Places<'_> {
-    /// The finite ones of the squared second differences at `lag` over the variance of their middle, in the memory of `squares`.
-    fn squares(&self, lag: usize, squares: Vec<f64>) -> Vec<f64> {
+    /// The squared second differences at `lag` over the variance of their middle, infinite where there is none; and how many there are.
+    fn squares(&self, lag: usize, squares: &mut [f64]) -> usize {
         let (places, vectors) = (self, self.vectors);
-        vectorised!(vectors, squares_of(places: &Places<'_>, lag: usize, squares: Vec<f64>) -> Vec<f64>)
+        vectorised!(vectors, squares_of(places: &Places<'_>, lag: usize, squares: &mut [f64]) -> usize)
     }
 }
 
 #[inline(always)]
-fn squares_of(places: &Places<'_>, lag: usize, mut squares: Vec<f64>) -> Vec<f64> {
+fn squares_of(places: &Places<'_>, lag: usize, squares: &mut [f64]) -> usize {
     let (position, variance, count) = (places.position, &places.variance[..], places.position.len());
-    squares.clear();
-    squares.resize(count, f64::NAN);
-    let square = |before: usize, i: usize, after: usize| {
-        let difference = position[i] - 0.5 * (position[before] + position[after]);
-        let square = variance[i] + 0.25 * (variance[before] + variance[after]);
-        SECOND_DIFFERENCE * difference * difference / square
+    let square = |(b, vb): (f64, f64), (p, v): (f64, f64), (a, va): (f64, f64)| {
+        let difference = p - 0.5 * (b + a);
+        let square = SECOND_DIFFERENCE * difference * difference / (v + 0.25 * (vb + va));
+        if square.is_finite() {
+            square
+        } else {
+            f64::INFINITY
+        }
     };
+    let near = lag.min(count);
+    squares[..near].fill(f64::INFINITY);
+    squares[count.saturating_sub(lag)..].fill(f64::INFINITY);
     if 2 * lag < count {
         let middles = position[lag..].iter().zip(&variance[lag..]);
         let befores = position.iter().zip(variance);
         let afters = position[2 * lag..].iter().zip(&variance[2 * lag..]);
         for (scaled, (((b, vb), (p, v)), (a, va))) in squares[lag..].iter_mut().zip(befores.zip(middles).zip(afters)) {
-            let difference = p - 0.5 * (b + a);
-            *scaled = SECOND_DIFFERENCE * difference * difference / (v + 0.25 * (vb + va));
+            *scaled = square((*b, *vb), (*p, *v), (*a, *va));
         }
+    } else {
+        squares.fill(f64::INFINITY);
     }
     if places.closed {
-        for i in (0..lag.min(count)).chain(count.saturating_sub(lag).max(lag)..count) {
-            squares[i] = square((i + count - lag) % count, i, (i + lag) % count);
+        let at = |i: usize| (position[i % count], variance[i % count]);
+        for i in (0..near).chain(count.saturating_sub(lag).max(lag)..count) {
+            squares[i] = square(at(i + count - near), at(i), at(i + lag));
         }
     }
-    let mut known = 0;
-    for at in 0..count {
-        let value = squares[at];
-        squares[known] = value;
-        known += usize::from(value.is_finite());
-    }
-    squares.truncate(known);
-    squares
+    squares.iter().map(|square| u64::from(*square < f64::INFINITY)).sum::<u64>() as usize
 }

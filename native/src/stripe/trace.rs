@@ -3,6 +3,7 @@
 use super::rays::{Ray, Rays, Track};
 use super::sampling::{Grey, Plane, BLOCK, STRIDE};
 use super::vectors::{vectorised, Vectors};
+use super::walk::{lit, GROUP};
 
 /// Samples whose brightness is noted together, one bit each.
 const CHUNK: usize = u64::BITS as usize;
@@ -42,20 +43,25 @@ impl Bright {
 
 /// Which samples of a ray are bright enough for a peak, and the bilinear brightness of those and their surroundings.
 pub struct Trace {
-    /// Brightness, NaN outside the picture; of no meaning beyond the margin of every stretch.
-    pub value: Vec<f64>,
+    /// Brightness of the samples, and room for a group behind them.
+    value: Vec<f64>,
     /// Stretches of bright samples, first and last.
     pub stretches: Vec<Stretch>,
 }
 
 impl Trace {
     pub fn new(samples: usize) -> Self {
-        Trace { value: vec![f64::NAN; samples], stretches: Vec::new() }
+        Trace { value: vec![f64::NAN; samples + GROUP], stretches: Vec::new() }
+    }
+
+    /// Brightness of the samples, NaN outside the picture; of no meaning beyond the margin of every stretch.
+    pub fn values(&self) -> &[f64] {
+        &self.value[..self.value.len() - GROUP]
     }
 
     /// Reads `track` again into the same memory: stretches where `look` says, `margin` samples more on each side.
     pub fn read<T: Grey>(&mut self, plane: &Plane<T>, track: &Track, look: Look, gate: u32, margin: usize) {
-        let samples = self.value.len();
+        let samples = self.values().len();
         let (first, end) = track.inside(plane.width, plane.height, samples);
         match look {
             Look::Within((from, to)) => self.find_bright(plane, track, (first.max(from), end.min(to)), gate),
@@ -72,7 +78,7 @@ impl Trace {
             if from < known {
                 self.value[from..known.min(to)].fill(f64::NAN);
             }
-            plane.interpolate(track, known, &mut self.value[known..unknown.max(known)]);
+            plane.interpolate(track, (known, unknown.max(known)), &mut self.value);
             if unknown < to {
                 self.value[unknown.max(from)..to].fill(f64::NAN);
             }
@@ -98,18 +104,11 @@ impl Trace {
             }
             return;
         }
-        let ([mut column, mut row], [right, down]) = (track.at(first), track.step.map(|step| step * STRIDE as i64));
+        let step = track.step.map(|step| step * STRIDE as i64);
         for begin in (0..count).step_by(CHUNK) {
-            let (mut levels, count) = ([T::default(); CHUNK], CHUNK.min(count - begin));
-            for level in &mut levels[..count] {
-                *level = plane.data[plane.nearest_index([column, row])];
-                (column, row) = (column + right, row + down);
-            }
-            if levels.iter().fold(false, |any, level| any | (level.level() >= gate)) {
-                let bright = levels[..count].iter().enumerate();
-                let bright = bright.fold(0u64, |bright, (k, level)| bright | u64::from(level.level() >= gate) << k);
-                self.stretches_of(bright, first + begin * STRIDE);
-            }
+            let (from, count) = (track.at(first + begin * STRIDE), CHUNK.min(count - begin));
+            let bright = lit(plane, (from, step), count, gate);
+            self.stretches_of(bright, first + begin * STRIDE);
         }
     }
 

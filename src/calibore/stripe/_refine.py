@@ -1,4 +1,4 @@
-"""The sub-pixel place of a peak and its uncertainty, as `native/src/stripe/{fit,refine,literature}.rs`."""
+"""The sub-pixel place of a peak and its uncertainty, as `native/src/stripe/{batch,fit,refine,literature}.rs`."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Candidates along rays: the readable specification of `native/src/stripe/{sampling,peak,scan}.rs`, and its fallback.
+"""Candidates along rays, as `native/src/stripe/{sampling,walk,peak,describe,scan}.rs`: specification and fallback.
 
 Both sample the picture bilinearly along each ray, find where the slope fitted to `window` samples changes from rising
 to falling, keep the peaks that stand out, and refine them.

@@ -36,4 +36,4 @@ class Stripe:
     @property
     def found(self) -> NDArray[np.bool_]:
         """Which points (n,) have a value: OK, RESOLVED or SATURATED."""
-        return self.status <= Status.SATURATED
+        return self.status <= int(Status.SATURATED)
