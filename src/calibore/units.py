@@ -17,6 +17,13 @@ _NUMBER_AND_UNIT = re.compile(
 )
 """Left to pint, "1,5 mm" would be 15 mm, "1 1/2 in" half an inch, and "9**9**9 m" computed for ever."""
 
+USUAL = {
+    "length": {"m": 1.0, "mm": 0.001, "cm": 0.01, "um": 1e-6, "in": 0.0254, "ft": 0.30479999999999996},
+    "angle": {"rad": 1.0, "mrad": 0.001, "deg": 0.017453292519943295},
+    "time": {"s": 1.0, "ms": 0.001},
+}
+"""What pint multiplies by, rounding included: to be imported and to read its units takes it half a second."""
+
 
 @cache
 def _registry() -> Any:
@@ -40,6 +47,8 @@ def parse_quantity(text: str, dimension: str) -> float:
     number, symbol = written.groups()
     if not symbol:
         raise InputError(f'"{text}" has no unit; write {example}.')
+    if symbol in USUAL[dimension]:
+        return float(number) * USUAL[dimension][symbol]
     try:
         return float(_registry().Quantity(float(number), symbol).to(unit).magnitude)
     except Exception as error:  # pint raises half a dozen unrelated types on what it does not know

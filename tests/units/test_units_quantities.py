@@ -2,10 +2,11 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from calibore.errors import InputError
-from calibore.units import parse_quantity
+from calibore.units import DIMENSIONS, USUAL, _registry, parse_quantity
 
 WRITTEN = {
     ("6 in", "length"): 0.1524,
@@ -68,3 +69,12 @@ def test_a_number_without_a_unit_is_asked_for_one():
 def test_a_length_is_no_angle():
     with pytest.raises(InputError, match=r'"6 in" is not an angle such as "1.5 deg"'):
         parse_quantity("6 in", "angle")
+
+
+@pytest.mark.parametrize("dimension", USUAL)
+def test_usual_units_are_what_the_unit_library_says_to_the_last_digit(dimension):
+    rng, unit = np.random.default_rng(1), DIMENSIONS[dimension][0]
+    for symbol in USUAL[dimension]:
+        for value in np.round(rng.uniform(-50, 500, 50), 3):
+            expected = float(_registry().Quantity(float(value), symbol).to(unit).magnitude)
+            assert parse_quantity(f"{value} {symbol}", dimension) == expected

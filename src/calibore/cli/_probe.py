@@ -25,13 +25,14 @@ class MadeProbe:
     probe: "Probe"
     folder: Path
 
-    def put_beside(self, finisher: "Finisher") -> "Finisher":
+    def put_beside(self, finisher: "Finisher | None") -> "Finisher":
         """`finisher`, after the calibration has become part of the result."""
 
         def finish(sealed: "Sealed") -> None:
             shutil.copytree(self.folder, sealed.folder, dirs_exist_ok=True)
             sealed.summary["rig"]["file"] = FILE
-            finisher(sealed)
+            if finisher:
+                finisher(sealed)
 
         return finish
 

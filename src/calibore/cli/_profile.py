@@ -16,7 +16,7 @@ from calibore.errors import UsageError
 
 if TYPE_CHECKING:
     from calibore.crews import Workers as Crew
-    from calibore.profiling import Progress
+    from calibore.profiling import Finisher, Progress
 
 Out = Annotated[Path, typer.Option("--out", "-o", help="Result folder; it appears when everything is done.")]
 Workers = Annotated[int | None, typer.Option(min=1, help="Threads.", show_default="all cores")]
@@ -49,10 +49,8 @@ def profile(
 ) -> None:
     """Measure every cross-section of a scan: diameter, ovality, deflection, each with its uncertainty."""
     from calibore.profiling import profile_scan
-    from calibore.reports import finisher
 
-    with wrong_usage():
-        finish = finisher(unit=unit, pictures=pictures, exports=tuple(exports or ()))
+    finish = _finisher(unit, pictures=pictures, exports=exports or [])
     with crew_of(workers, scheduler) as crew, probe_made_from(scan) as made:
         options: dict[str, Any] = {"finisher": made.put_beside(finish), "probe": made.probe} if made else {}
         with progress_bar("Profiling", quiet=json) as progress:
@@ -61,6 +59,16 @@ def profile(
     tell(summary, out, unit=unit, json=json)
     if summary["counts"].get("refused_images") or summary["counts"].get("refused_readings"):
         raise typer.Exit(PARTLY_REFUSED)
+
+
+def _finisher(unit: str, *, pictures: bool, exports: list[str]) -> "Finisher | None":
+    """What draws pictures and writes exports; it is not even imported, which takes a second, where neither is asked."""
+    if not (pictures or exports) and unit in DIGITS:
+        return None
+    from calibore.reports import finisher
+
+    with wrong_usage():
+        return finisher(unit=unit, pictures=pictures, exports=tuple(exports))
 
 
 @contextmanager

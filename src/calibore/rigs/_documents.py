@@ -1,6 +1,7 @@
 """The tables of a rig file (formats.md, section 3), each key with what it may be."""
 
 from dataclasses import MISSING, fields
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Strict, Tag, create_model
@@ -140,6 +141,7 @@ def laser_keys(configuration: Configuration) -> dict[str, float | None]:
 CAMERA_INPUTS = ("k", "c1", "c2", "aspect", "principal_point")
 
 
+@lru_cache(maxsize=16)
 def rig_file(configuration: Configuration, *, listed: bool) -> type[Document]:
     """The model of a rig file of this configuration, its lasers in one [laser] or in `listed` [[laser]] tables."""
     keys = laser_keys(configuration)
@@ -154,6 +156,7 @@ def rig_file(configuration: Configuration, *, listed: bool) -> type[Document]:
     return _file(tuple(keys), configuration=(str, ...), laser=(laser, ...))
 
 
+@lru_cache(maxsize=1)
 def camera_file() -> type[Document]:
     """The model of a rig file that holds a camera only."""
     return _file(())
