@@ -31,6 +31,7 @@ def part(name: str, *rest: str) -> list[str]:
         end_to_end,
         every_rig,
         kernel,
+        line_choice,
         prediction,
         real_time,
         side_facing,
@@ -60,6 +61,7 @@ def part(name: str, *rest: str) -> list[str]:
         "every_rig": every_rig.report,
         "pictures": every_rig.pictures,
         "real_time": real_time.report,
+        "line_choice": lambda: line_choice.report(*rest),
         "prediction": lambda: prediction.report(*rest),
     }
     return tables[name]()

@@ -20,6 +20,7 @@ mod literature;
 mod measure;
 mod near;
 mod noise;
+mod path;
 mod peak;
 mod rays;
 mod refine;
@@ -47,8 +48,8 @@ use vectors::Vectors;
 const LUMA_BAND: usize = 3;
 
 type Column<'py> = Bound<'py, PyArray1<f64>>;
-/// u, v, u_position, status, height, correlation.
-type Arrays<'py> = (Column<'py>, Column<'py>, Column<'py>, Bound<'py, PyArray1<u8>>, Column<'py>, Column<'py>);
+/// u, v, u_position, status, height, correlation, confidence.
+type Arrays<'py> = (Column<'py>, Column<'py>, Column<'py>, Bound<'py, PyArray1<u8>>, Column<'py>, Column<'py>, Column<'py>);
 type NoiseNumbers = (f64, f64, f64, f64, f64);
 
 fn estimator_of(number: u8) -> PyResult<Estimator> {
@@ -62,7 +63,8 @@ fn numbers(noise: &Noise) -> NoiseNumbers {
 fn arrays(py: Python<'_>, line: Line) -> Arrays<'_> {
     let column = |values| PyArray1::from_vec(py, values);
     let status = PyArray1::from_vec(py, line.status);
-    (column(line.u), column(line.v), column(line.u_position), status, column(line.height), column(line.correlation))
+    let (height, correlation, confidence) = (column(line.height), column(line.correlation), column(line.confidence));
+    (column(line.u), column(line.v), column(line.u_position), status, height, correlation, confidence)
 }
 
 /// `work` on the chosen band of an image of `T`, the GIL released; none where the image is not one of `T`.

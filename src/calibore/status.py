@@ -28,6 +28,7 @@ class Status(IntEnum):
     STUCK = 12
     OFF_TIP = 13
     NO_READING = 14
+    WATER = 15
 
     @property
     def has_value(self) -> bool:
@@ -50,6 +51,7 @@ MEANING: dict[Status, str] = {
     Status.STUCK: "the probe's pin stuck where the wall falls back",
     Status.OFF_TIP: "the wall is steeper or narrower than the probe's ball: its end did not touch it here",
     Status.NO_READING: "no usable voltages of the probe",
+    Status.WATER: "light mirrored in a water surface, or the surface itself",
 }
 
 _HAS_VALUE = np.array([status.has_value for status in Status])

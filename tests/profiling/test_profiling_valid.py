@@ -172,7 +172,7 @@ def test_a_status_keeps_its_stored_number_for_ever():
     """Results of earlier versions hold them (tests/golden)."""
     stored = (
         "ok resolved saturated no_peak multiple off_ring not_laser outside_lens grazing behind no_image extrapolated "
-        "stuck off_tip no_reading"
+        "stuck off_tip no_reading water"
     )
     assert [status.name.lower() for status in Status] == stored.split()
     assert [int(status) for status in Status] == list(range(len(Status)))

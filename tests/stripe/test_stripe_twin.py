@@ -41,6 +41,9 @@ def assert_same(one: Stripe | str, other: Stripe | str) -> None:
     np.testing.assert_allclose(one.u_position, other.u_position, rtol=1e-3)
     np.testing.assert_allclose(one.height, other.height, rtol=1e-6)
     np.testing.assert_allclose(one.correlation, other.correlation, atol=1e-6)
+    assert one.confidence is not None
+    assert other.confidence is not None
+    np.testing.assert_allclose(one.confidence, other.confidence, atol=1e-9)
     for field in ("additive", "gain", "contrast", "width", "grain"):
         assert getattr(one.noise, field) == pytest.approx(getattr(other.noise, field), rel=1e-6)
     assert one.scale == pytest.approx(other.scale, rel=1e-6)
@@ -52,7 +55,7 @@ def assert_identical(one: Stripe | str, other: Stripe | str) -> None:
     if isinstance(one, str) or isinstance(other, str):
         assert one == other
         return
-    for name in ("status", "u", "v", "u_position", "height", "correlation"):
+    for name in ("status", "u", "v", "u_position", "height", "correlation", "confidence"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
     assert (one.noise, one.scale, one.centre) == (other.noise, other.scale, other.centre)
 

@@ -1,6 +1,6 @@
 //! The line along a set of rays: candidates, choice by continuity, uncertainty from model and scatter.
 
-use super::choice::{line_among, RESOLVED, SATURATED};
+use super::choice::{line_among, Choice, RESOLVED, SATURATED};
 use super::rays::Rays;
 use super::sampling::{Grey, Plane};
 use super::scan::{scan, Candidates};
@@ -16,14 +16,15 @@ pub struct Line {
     pub status: Vec<u8>,
     pub height: Vec<f64>,
     pub correlation: Vec<f64>,
+    pub confidence: Vec<f64>,
     pub noise: Noise,
     pub scale: f64,
 }
 
-/// The candidates along a set of rays, and which of them is the line on each: (candidate, status).
+/// The candidates along a set of rays, and which of them is the line on each.
 pub struct Sight {
     pub candidates: Candidates,
-    pub chosen: Vec<(usize, u8)>,
+    pub chosen: Vec<Choice>,
 }
 
 impl Sight {
@@ -41,10 +42,10 @@ impl Sight {
     pub fn line(self, rays: &Rays, settings: Settings) -> Line {
         let count = rays.rays.len();
         let empty = || Vec::with_capacity(count);
-        let (mut u, mut v, mut height, mut position, mut u_position, mut status) =
-            (empty(), empty(), empty(), empty(), empty(), Vec::with_capacity(count));
-        for (ray, (pick, chosen)) in rays.rays.iter().zip(self.chosen) {
-            let peak = self.candidates.peaks.get(pick).filter(|_| chosen <= RESOLVED);
+        let (mut u, mut v, mut height, mut position, mut u_position, mut confidence, mut status) =
+            (empty(), empty(), empty(), empty(), empty(), empty(), Vec::with_capacity(count));
+        for (ray, chosen) in rays.rays.iter().zip(self.chosen) {
+            let peak = self.candidates.peaks.get(chosen.pick).filter(|_| chosen.status <= RESOLVED);
             let place = peak.map_or(f64::NAN, |peak| peak.position);
             let [column, row] = ray.at(place);
             u.push(column);
@@ -52,10 +53,11 @@ impl Sight {
             position.push(place);
             u_position.push(peak.map_or(f64::NAN, |peak| peak.u));
             height.push(peak.map_or(f64::NAN, |peak| peak.height));
-            status.push(if peak.is_some_and(|peak| peak.saturated) { SATURATED } else { chosen });
+            status.push(if peak.is_some_and(|peak| peak.saturated) { SATURATED } else { chosen.status });
+            confidence.push(chosen.confidence);
         }
         let scatter = scatter::observe(&position, &u_position, settings.noise.width, rays.spacing, rays.closed, settings.vectors);
         u_position.iter_mut().for_each(|u| *u *= scatter.scale);
-        Line { u, v, u_position, status, height, correlation: scatter.correlation, noise: settings.noise, scale: scatter.scale }
+        Line { u, v, u_position, status, height, correlation: scatter.correlation, confidence, noise: settings.noise, scale: scatter.scale }
     }
 }

@@ -92,9 +92,9 @@ pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator, down: bool)
 fn centre_of(rays: &Rays, sight: &Sight, counted: &[bool]) -> Result<[f64; 2], &'static str> {
     let (mut points, mut index) = (Vec::new(), Vec::new());
     let counted = counted.iter().step_by(rays.stride);
-    for (i, ((ray, (pick, status)), counted)) in rays.rays.iter().zip(&sight.chosen).zip(counted).enumerate() {
-        if *counted && *status <= RESOLVED {
-            points.push(ray.at(sight.candidates.peaks[*pick].position));
+    for (i, ((ray, chosen), counted)) in rays.rays.iter().zip(&sight.chosen).zip(counted).enumerate() {
+        if *counted && chosen.status <= RESOLVED {
+            points.push(ray.at(sight.candidates.peaks[chosen.pick].position));
             index.push(i);
         }
     }

@@ -15,6 +15,7 @@ from calibore.lasers import Cone
 from calibore.profiling._fold import line_on_cone
 from calibore.profiling._grid import POSITIONS, Ring, clock_grid, grid_ring
 from calibore.profiling._take import NO_POINT, TakePoints, place_on_wall
+from calibore.profiling._water import wet_rays, without_water
 from calibore.rigs import FORWARD, Rig, engine_form
 from calibore.stripe import Stripe
 from calibore.uncertainty import Covariance, propagate
@@ -63,8 +64,18 @@ def line_on_wall(
     """The line `stripe` of `laser`; raises ImageError where none of it lies on the laser's surface.
 
     `prior_radius` [m], roughly the wall's, tells the meetings with a cone apart. `displacement` (n, 3) [m]: how far
-    each point is moved in the rig frame; that is done in NumPy.
+    each point is moved in the rig frame; that is done in NumPy. What water mirrors is left out (`wet_rays`).
     """
+    how: Any = {"laser": laser, "prior_radius": prior_radius, "displacement": displacement, "kernel": kernel}
+    found = _line_on_wall(stripe, rig, **how)
+    wet = wet_rays(found.rays.points, found.rays.clock, stripe, rig)
+    return _line_on_wall(without_water(stripe, wet), rig, **how) if wet.any() else found
+
+
+def _line_on_wall(
+    stripe: Stripe, rig: Rig, *, laser: int, prior_radius: float | None, displacement: Array | None, kernel: str
+) -> LineOnWall:
+    """The same of a line that lies on the wall."""
     if kernel not in ("native", "numpy"):
         raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
     form = engine_form(rig, laser) if kernel == "native" and rig.mount is FORWARD and displacement is None else None

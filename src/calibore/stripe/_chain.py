@@ -1,18 +1,15 @@
-"""Choosing the line among the candidates: the rule of continuity.
+"""Linking candidates of neighbouring rays into chains: the rule of continuity.
 
-1. Candidates of neighbouring rays are linked when they could be one line: at most `STEEPEST` pixels along the ray per
-   pixel across, over at most `LONGEST_GAP` empty rays. Linked candidates form a chain.
-2. A chain of fewer than `SHORTEST` rays is not the line: spatter, a hot pixel (OFF_RING).
-3. On a ray with several candidates the one in the longest chain is the line. It had a rival (RESOLVED) if another one
-   stands in a chain of `SHORTEST` rays, or at least `SLIGHT` times as high as the highest on the ray; lower ones that
-   continue nothing are the ripples of noise and compression, and no rivals (OK).
-4. Where the rival's chain counts (2) and is more than `RIVAL` times as long, nobody can tell: no number (MULTIPLE).
+Candidates of neighbouring rays are linked when they could be one line: at most `STEEPEST` pixels along the ray per
+pixel across, over at most `LONGEST_GAP` empty rays. Linked candidates form a chain; each takes at most one per ray, the
+nearest. Where two lines meet or part, nobody can tell at once which goes on where: the chains end there, new ones
+begin, and what belongs together is decided by the whole ring (`_path`).
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from calibore.status import Status
 
 Array = NDArray[np.float64]
 STEEPEST = 2.0
@@ -22,87 +19,111 @@ SLACK = 1.0
 LONGEST_GAP = 3
 """Rays."""
 SHORTEST = 10
-"""Rays."""
+"""Rays; fewer are no line."""
 SLIGHT = 0.15
-RIVAL = 0.5
+"""Times as high as another peak: below this a peak continues nothing that the other continues."""
+
+Place = tuple[int, float]
+"""Ray, and position along it [px]."""
+Peak = tuple[float, float]
+"""Position [px] and height."""
 
 
-def link(position: Array, *, spacing: float, closed: bool) -> NDArray[np.int64]:
-    """Length in rays of the chain each candidate (n, k) belongs to; 0 where there is no candidate.
-
-    Candidates stand highest first in their row; each chain takes at most one per ray, the nearest.
+@dataclass
+class Chain:
+    """From `head` to `tail` over `members` candidates. A closed ring's may begin in the turn before, at a ray below 0.
+    `torn`: it begins or ends where lines meet or part.
     """
-    count, most = position.shape
-    chain = np.full((count, most), -1, dtype=np.int64)
-    heads: list[tuple[int, float]] = []
-    tails: list[tuple[int, float]] = []
-    members: list[int] = []
+
+    head: Place
+    tail: Place
+    members: int = 0
+    torn: bool = False
+
+
+def link(
+    position: Array, height: Array, *, spacing: float, closed: bool, stride: int = 1
+) -> tuple[list[Chain], NDArray[np.intp]]:
+    """Chains, and which of them each candidate (n, k) belongs to, -1 where `position` [px] is NaN.
+
+    Candidates stand highest first in their row. `spacing` [px] of the rays, each of which stands for `stride`.
+    """
+    number = np.full(position.shape, -1, dtype=np.intp)
+    chains: list[Chain] = []
     active: list[int] = []
-    for ray in range(count):
-        active = [c for c in active if ray - tails[c][0] <= LONGEST_GAP + 1]
-        for k in range(most):
-            place = position[ray, k]
-            if not np.isfinite(place):
-                continue
-            c = _nearest(place, ray, active, tails, spacing)
-            if c < 0:
-                c = len(heads)
-                heads.append((ray, place))
-                tails.append((ray, place))
-                members.append(0)
+    for ray, row in enumerate(position):
+        active = [c for c in active if ray - chains[c].tail[0] <= LONGEST_GAP + 1]
+        places = [(k, float(place)) for k, place in enumerate(row) if np.isfinite(place)]
+        torn = _torn(chains, active, ray, [(place, height[ray, k]) for k, place in places], spacing, stride)
+        for c in torn:
+            chains[c].torn = True
+        active = [c for c in active if c not in torn]
+        for k, place in places:
+            c = _nearest(chains, active, ray, place, spacing)
+            if c is None:
+                c = len(chains)
+                chains.append(Chain((ray, place), (ray, place), 0, bool(torn)))
                 active.append(c)
-            tails[c], chain[ray, k] = (ray, place), c
-            members[c] += 1
-    root = _join_ends(heads, tails, spacing, count) if closed else list(range(len(heads)))
-    length = np.zeros(len(heads) + 1, dtype=np.int64)
-    for c, r in enumerate(root):
-        length[r] += members[c]
-    return np.where(chain >= 0, length[np.asarray([*root, len(heads)])[chain]], 0)
+            chains[c].tail = (ray, place)
+            chains[c].members += 1
+            number[ray, k] = c
+    return _joined(chains, number, len(position), spacing) if closed else (chains, number)
 
 
-def _nearest(place: float, ray: int, active: list[int], tails: list[tuple[int, float]], spacing: float) -> int:
-    """The active chain whose tail this candidate continues best, or -1."""
-    best, answer = np.inf, -1
+def allowed(spacing: float, steps: int) -> float:
+    """How far [px] a line may move along the ray over so many rays."""
+    return SLACK + STEEPEST * spacing * steps
+
+
+def _torn(
+    chains: list[Chain], active: list[int], ray: int, peaks: list[Peak], spacing: float, stride: int
+) -> list[int]:
+    """Chains long enough for a line that meet on `ray`, or part; `peaks` of its candidates, highest first."""
+    if len(active) + len(peaks) < 3:
+        return []
+    long = [c for c in active if chains[c].members * stride >= SHORTEST]
+    claims = {c: [p for p in peaks if abs(p[0] - chains[c].tail[1]) <= _reach(chains[c], ray, spacing)] for c in long}
+    met = {c for c in long for d in long if c != d and any(p in claims[d] for p in claims[c])}
+    return [c for c in long if c in met or _part(claims[c])]
+
+
+def _part(peaks: list[Peak]) -> bool:
+    """Whether more than one of the `peaks`, highest first, could continue a line."""
+    return len(peaks) > 1 and peaks[1][1] >= SLIGHT * peaks[0][1]
+
+
+def _reach(chain: Chain, ray: int, spacing: float) -> float:
+    return allowed(spacing, ray - chain.tail[0])
+
+
+def _nearest(chains: list[Chain], active: list[int], ray: int, place: float, spacing: float) -> int | None:
+    """The active chain whose tail a candidate continues best."""
+    best, answer = np.inf, None
     for c in active:
-        steps = ray - tails[c][0]
-        jump = abs(place - tails[c][1])
-        if steps > 0 and jump <= SLACK + STEEPEST * spacing * steps and jump < best:
+        jump = abs(place - chains[c].tail[1])
+        if chains[c].tail[0] < ray and jump <= _reach(chains[c], ray, spacing) and jump < best:
             best, answer = jump, c
     return answer
 
 
-def _join_ends(heads: list[tuple[int, float]], tails: list[tuple[int, float]], spacing: float, count: int) -> list[int]:
-    """Chain numbers after joining chains that meet where a closed scan begins and ends."""
-    root = list(range(len(heads)))
-    for c, (last, end) in enumerate(tails):
-        for d, (first, begin) in enumerate(heads):
-            steps = first + count - last
-            if steps <= LONGEST_GAP + 1 and abs(end - begin) <= SLACK + STEEPEST * spacing * steps:
-                old, new = root[c], root[d]
-                root = [new if r == old else r for r in root]
-    return root
-
-
-def choose(
-    length: NDArray[np.int64], laser: NDArray[np.bool_], height: Array
-) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
-    """(column of the chosen candidate, status) per ray, both (n,), by the rule above.
-
-    Chain `length` (n, k) [rays], 0 = no candidate; which of them are `laser` light (n, k); their `height` (n, k). The
-    column is meaningless where the status has no value.
-    """
-    rows = np.arange(len(length))
-    eligible = np.where(laser, length, 0)
-    pick = np.argmax(eligible, axis=1)
-    best = eligible[rows, pick]
-    highest = np.max(np.where(eligible > 0, height, 0.0), axis=1)
-    others = np.where((eligible >= SHORTEST) | (height >= SLIGHT * highest[:, None]), eligible, 0)
-    others[rows, pick] = 0
-    rival = others.max(axis=1)
-    status = np.full(len(length), Status.OK, dtype=np.uint8)
-    status[rival > 0] = Status.RESOLVED
-    status[(rival > RIVAL * best) & (rival >= SHORTEST)] = Status.MULTIPLE
-    status[best < SHORTEST] = Status.OFF_RING
-    status[(best == 0) & (length > 0).any(axis=1)] = Status.NOT_LASER
-    status[(length == 0).all(axis=1)] = Status.NO_PEAK
-    return pick, status
+def _joined(
+    chains: list[Chain], number: NDArray[np.intp], rays: int, spacing: float
+) -> tuple[list[Chain], NDArray[np.intp]]:
+    """Chains that meet where a closed scan begins and ends made one: each ending one with the first that goes on."""
+    name = np.arange(len(chains) + 1)
+    name[-1] = -1
+    taken: set[int] = set()
+    for c, ending in enumerate(chains):
+        if ending.tail[0] + LONGEST_GAP + 1 < rays:
+            continue
+        for d, beginning in enumerate(chains):
+            steps = beginning.head[0] + rays - ending.tail[0]
+            jump = abs(ending.tail[1] - beginning.head[1])
+            if d == c or d in taken or steps > LONGEST_GAP + 1 or jump > allowed(spacing, steps):
+                continue
+            beginning.head = (ending.head[0] - rays, ending.head[1])
+            beginning.members += ending.members
+            ending.members, name[c] = 0, d
+            taken.add(d)
+            break
+    return chains, name[number]

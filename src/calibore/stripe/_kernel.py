@@ -47,8 +47,9 @@ def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) 
 
 def as_stripe(direction: Any, arrays: Any, noise: Any, scale: float, centre: Any = None) -> Stripe:
     """What the compiled code has found on rays along `direction`."""
-    u, v, u_position, status, height, correlation = arrays
-    return Stripe(u, v, direction, u_position, status, height, correlation, NoiseModel(*noise), scale, centre)
+    u, v, u_position, status, height, correlation, confidence = arrays
+    seen = u, v, direction, u_position, status, height, correlation
+    return Stripe(*seen, NoiseModel(*noise), scale, centre, confidence)
 
 
 def line_by(kernel: str, picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:

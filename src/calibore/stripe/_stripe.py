@@ -19,7 +19,8 @@ class Stripe:
     standard uncertainty along the ray; `status` (n,) see `Status`; `height` (n,) [grey values] above the background;
     `correlation` (k,) of neighbouring points at lags 1 .. k rays; `noise` the noise model used; `scale` the observed
     over the modelled scatter, already contained in `u_position`; `centre` (column, row) [px] the rays start from, or
-    None where they are not a ring's.
+    None where they are not a ring's; `confidence` (n,) that the point lies on the wall, 0 to 1: the share of its light
+    that the best path round the ring would lose without the chain of points that it belongs to, less for short chains.
     """
 
     u: Array
@@ -32,6 +33,7 @@ class Stripe:
     noise: NoiseModel
     scale: float
     centre: tuple[float, float] | None = None
+    confidence: Array | None = None
 
     @property
     def found(self) -> NDArray[np.bool_]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from calibore.errors import ImageError, InputError
 from calibore.status import Status
 from calibore.stripe._centre import ring_centre
-from calibore.stripe._chain import choose, link
+from calibore.stripe._choice import choose
 from calibore.stripe._estimators import Estimator, Peaks, ScanSettings
 from calibore.stripe._guide import COARSE, LEAST_MARGIN, guided_spans
 from calibore.stripe._learn import first_settings, learn_noise
@@ -111,12 +111,15 @@ def _approach(picture: Picture, ring: Annulus, estimator: Estimator) -> tuple[An
 
 @dataclass(frozen=True)
 class Sight:
-    """The candidates along rays, which of them (`pick`, n) is the line on each, and the `status` (n,) of the choice."""
+    """The candidates along rays, which of them (`pick`, n) is the line on each, and `status` and `confidence` (n,) of
+    the choice.
+    """
 
     rays: Rays
     peaks: Peaks
     pick: NDArray[np.intp]
     status: NDArray[np.uint8]
+    confidence: Array
 
     def picked(self, table: NDArray[Any]) -> NDArray[Any]:
         """`table` (n, k) of the line's candidates, (n,)."""
@@ -126,8 +129,8 @@ class Sight:
 def _sight(picture: Picture, rays: Rays, peaks: Peaks, width: float) -> Sight:
     """The line of `width` [px] among `peaks` along `rays`."""
     laser = laser_light(picture, rays, peaks, width)
-    length = rays.stride * link(np.where(laser, peaks.position, np.nan), spacing=rays.spacing, closed=rays.closed)
-    return Sight(rays, peaks, *choose(np.where(laser, length, np.isfinite(peaks.position)), laser, peaks.height))
+    along = {"spacing": rays.spacing, "closed": rays.closed, "stride": rays.stride}
+    return Sight(rays, peaks, *choose(peaks.position, peaks.height, laser, **along))
 
 
 def _centre(sight: Sight, counted: NDArray[np.bool_]) -> tuple[float, float]:
@@ -153,5 +156,6 @@ def _measure(sight: Sight, settings: ScanSettings) -> Stripe:
     valued = status <= Status.SATURATED
     position, u, height = (np.where(valued, sight.picked(t), np.nan) for t in (peaks.position, peaks.u, peaks.height))
     scatter = observe_scatter(position, u, width=settings.noise.width, spacing=rays.spacing, closed=rays.closed)
-    scale, (column, row) = scatter.scale, rays.at(position)
-    return Stripe(column, row, rays.direction, u * scale, status, height, scatter.correlation, settings.noise, scale)
+    (column, row), u, shared = rays.at(position), u * scatter.scale, scatter.correlation
+    seen = column, row, rays.direction, u, status, height, shared
+    return Stripe(*seen, settings.noise, scatter.scale, confidence=sight.confidence)
