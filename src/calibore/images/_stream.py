@@ -1,0 +1,160 @@
+"""A stream while it comes: camera, network, device; frames in order, each with its number and time."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from calibore.errors import InputError
+from calibore.images._source import Pixels, Refusal
+from calibore.images._video import FAILING_ON_DAMAGE, _Numbered, _pixels, _Refusals
+
+OPENING = 10.0
+"""Seconds that a source may take to answer."""
+HOPELESS = ("FileNotFoundError", "PermissionError", "HTTPUnauthorizedError", "HTTPForbiddenError", "HTTPNotFoundError")
+"""What waiting does not cure."""
+LIVE = {"analyzeduration": "500000", "fpsprobesize": "0"}
+"""Microseconds and frames that are looked at before the first is handed out; FFmpeg's own are seconds."""
+
+
+class StreamError(InputError):
+    """A source that does not answer, or has ceased to; `hopeless` where it will not answer later either."""
+
+    def __init__(self, reason: str, *, hopeless: bool = False) -> None:
+        super().__init__(reason)
+        self.hopeless = hopeless
+
+
+@dataclass(frozen=True, eq=False)
+class StreamFrame:
+    """Frame `number` of a connection, from 0 for the first one that can be shown, `time` [s] after it."""
+
+    number: int
+    time: float
+    key: bool
+    _frame: Any = field(repr=False)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) [px]"""
+        return self._frame.width, self._frame.height
+
+    def pixels(self, channel: str) -> Pixels:
+        """As `Video` gives them."""
+        return _pixels(self._frame, channel)
+
+
+class StreamFrames:
+    """Iterates over the frames of one connection until it ends; `refusals`: what was lost since the first frame.
+
+    Frames that come before the first key frame cannot be shown, and are nobody's loss.
+    """
+
+    def __init__(self, container: Any, stream: Any) -> None:
+        self._demuxer = _Demuxer(container)
+        self._lost = _Refusals()
+        self._frames = _Numbered(stream, self._lost, constant_rate=False).frames(self._demuxer)
+        self._begin: tuple[int, float] | None = None
+
+    def __iter__(self) -> Iterator[StreamFrame]:
+        for number, time, frame in self._frames:
+            if self._begin is None:
+                self._begin = number, time
+                self._lost.clear()
+            first, start = self._begin
+            yield StreamFrame(number - first, time - start, bool(frame.key_frame), frame)
+
+    @property
+    def refusals(self) -> tuple[Refusal, ...]:
+        """Numbered as the frames."""
+        first = self._begin[0] if self._begin else 0
+        return tuple(Refusal(one.reason, one.count, one.station - first) for one in self._lost.all())
+
+    @property
+    def why_it_ended(self) -> str:
+        """In words that follow "the source is gone"."""
+        return self._demuxer.why
+
+
+class _Demuxer:
+    """The container's packets, and why there are no more."""
+
+    def __init__(self, container: Any) -> None:
+        self._container = container
+        self.why = "it sends nothing more"
+
+    def demux(self, stream: Any) -> Iterator[Any]:
+        from av.error import FFmpegError
+
+        try:
+            yield from self._container.demux(stream)
+        except FFmpegError as error:
+            self.why = _why(error)
+
+
+@contextmanager
+def opened_stream(address: str, *, silence: float) -> Iterator[StreamFrames]:
+    """The frames of `address`: a network address (rtsp, http, tcp, udp), a device (`/dev/video0`) or its number.
+
+    A source that is silent for `silence` [s] has ended. RTSP comes over TCP where the server can, else over UDP. Raises
+    StreamError where nothing answers, or what answers is no video.
+    """
+    container = _connected(address, silence)
+    try:
+        stream = next(iter(container.streams.video), None)
+        if stream is None or stream.codec_context is None:
+            raise StreamError("what it sends is no video that can be decoded", hopeless=True)
+        if stream.codec_context.name in FAILING_ON_DAMAGE:
+            stream.codec_context.options = {"err_detect": "explode"}
+        yield StreamFrames(container, stream)
+    finally:
+        with suppress(Exception):
+            container.close()
+
+
+def _connected(address: str, silence: float) -> Any:
+    from av.error import FFmpegError
+
+    if "://" not in address:
+        return _device(address, silence)
+    if not address.startswith(("rtsp://", "rtsps://")):
+        return _container(address, silence, LIVE)
+    try:
+        return _container(address, silence, LIVE | {"rtsp_transport": "tcp"})
+    except StreamError as error:
+        cause = error.__cause__
+        if isinstance(cause, FFmpegError) and "rotocol not supported" in str(cause.strerror):
+            return _container(address, silence, LIVE | {"rtsp_transport": "udp"})
+        raise
+
+
+def _device(name: str, silence: float) -> Any:
+    import sys
+
+    path = f"/dev/video{name}" if name.isdigit() else name
+    if sys.platform == "darwin":
+        return _container(name, silence, {"framerate": "30"}, format="avfoundation")
+    if sys.platform == "win32":
+        return _container(f"video={name}", silence, {}, format="dshow")
+    if not Path(path).exists():
+        raise StreamError("there is no such device; plug the camera in, or see which there are: ls /dev/video*")
+    return _container(path, silence, {}, format="v4l2")
+
+
+def _container(address: str, silence: float, options: dict[str, str], *, format: str | None = None) -> Any:
+    import av
+    from av.error import FFmpegError
+
+    try:
+        return av.open(address, format=format, options=options, timeout=(OPENING, silence))
+    except (FFmpegError, OSError) as error:
+        raise StreamError(_why(error), hopeless=type(error).__name__ in HOPELESS) from error
+
+
+def _why(error: Exception) -> str:
+    """What FFmpeg says, without the address: it may hold a password."""
+    if type(error).__name__ == "ExitError":
+        return "it is silent"
+    said = getattr(error, "strerror", None) or type(error).__name__
+    return said[:1].lower() + said[1:]
