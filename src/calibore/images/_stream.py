@@ -16,6 +16,8 @@ HOPELESS = ("FileNotFoundError", "PermissionError", "HTTPUnauthorizedError", "HT
 """What waiting does not cure."""
 LIVE = {"analyzeduration": "500000", "fpsprobesize": "0"}
 """Microseconds and frames that are looked at before the first is handed out; FFmpeg's own are seconds."""
+UDP = {"rtsp_transport": "udp", "buffer_size": "4000000"}
+"""The buffer takes a burst: the packets of a large key frame come at once."""
 
 
 class StreamError(InputError):
@@ -125,7 +127,7 @@ def _connected(address: str, silence: float) -> Any:
     except StreamError as error:
         cause = error.__cause__
         if isinstance(cause, FFmpegError) and "rotocol not supported" in str(cause.strerror):
-            return _container(address, silence, LIVE | {"rtsp_transport": "udp"})
+            return _container(address, silence, LIVE | UDP)
         raise
 
 
