@@ -1,8 +1,8 @@
-"""An RTSP server (the package rtsp-rs) in a process of its own: `python rtsp_server.py FILM PORT [--rate R] ...`.
+"""An RTSP server (the package rtsp-rs) in a process of its own: `python rtsp_server.py PORT FILM ... [--rate R]`.
 
-Sends the packets of an H.264 film as they are, from the first one on when somebody looks, and then `--loops` times over.
-`--silent-after N SECONDS` stutters once. Prints "ready" when it listens and "sent N" at the end; `calibore live` and any
-player can look at rtsp://127.0.0.1:PORT/stream.
+Sends the packets of H.264 films as they are, one after the other, from the first when somebody looks, `--loops` times.
+`--silent-after N SECONDS` stutters once. Prints "ready" when it listens, then number and time of every picture sent.
+`calibore live` and any player can look at rtsp://127.0.0.1:PORT/stream.
 """
 
 import argparse
@@ -29,8 +29,8 @@ def packets(film: str) -> list[bytes]:
 
 def main() -> None:
     parser = argparse.ArgumentParser()
-    parser.add_argument("film")
     parser.add_argument("port", type=int)
+    parser.add_argument("films", nargs="+")
     parser.add_argument("--rate", type=float, default=25.0)
     parser.add_argument("--loops", type=int, default=1)
     parser.add_argument("--silent-after", type=float, nargs=2, default=(-1, 0))
@@ -40,7 +40,7 @@ def main() -> None:
     print("ready", flush=True)
     while not server.get_viewers():
         time.sleep(0.01)
-    send(server, packets(arguments.film) * arguments.loops, arguments)
+    send(server, [one for film in arguments.films for one in packets(film)] * arguments.loops, arguments)
     while server.get_viewers():
         time.sleep(0.02)
 
@@ -55,7 +55,6 @@ def send(server: rtsp.Server, film: list[bytes], arguments: argparse.Namespace) 
         time.sleep(max(0.0, start + late + number / arguments.rate - time.monotonic()))
         server.send_frame(picture, round(CLOCK / arguments.rate))
         print(number, time.time(), flush=True)
-    print("sent", len(film), flush=True)
 
 
 if __name__ == "__main__":

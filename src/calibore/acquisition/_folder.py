@@ -21,6 +21,8 @@ GRACE = 2.0
 """Seconds that a file which cannot be decoded must not have changed before it counts as broken."""
 LATE = 1.0
 """Seconds that a station which leaves a gap, or has fewer takes than others, is waited for what lacks."""
+FOLLOWERS = 2
+"""Later stations that, once begun, tell that no further take of this one will come."""
 TOO_LATE = "it came after pictures of later stations; rings are written in their order, so `calibore profile` takes it"
 
 
@@ -36,14 +38,18 @@ class _File:
 class GrowingFolder:
     """The images in `folder` whose names match `pattern`, as they come, after station `after`.
 
-    A picture is handed out when its file has not changed for a moment, in order of station; while stations before it,
-    or takes of it, may be on their way, it waits up to a second. Ends after `idle` [s] without a new picture.
+    A picture is handed out when its file has not changed for a moment, in order of station. While stations before it or
+    further takes of it may be on their way, it waits up to `late` [s]; for takes, until two later stations have begun.
+    A file that cannot be decoded is tried again until it has not changed for `grace` [s]. Ends after `idle` [s] without
+    a new picture.
     """
 
     folder: Path
     pattern: str
     idle: float | None = None
     after: int | None = None
+    late: float = LATE
+    grace: float = GRACE
     keeps: bool = True
     connected: bool = field(default=True, init=False)
 
@@ -51,7 +57,8 @@ class GrowingFolder:
         self._matcher = NamePattern(self.pattern)
         self._names: set[str] = set()
         self._stations: dict[int, dict[int, _File]] = {}
-        self._last, self._step, self._takes = self.after, 0, 1
+        self._last, self._step = self.after, 0
+        self._takes = 2 if "{take" in self.pattern else 1
         if not self.folder.is_dir():
             raise InputError(f'Image folder "{self.folder}" does not exist; make it before the pictures come.')
 
@@ -114,12 +121,12 @@ class GrowingFolder:
             if (state := _state(file.path)) != file.seen:
                 file.seen, file.since = state, moment
         quiet = moment - max(file.since for file in files)
-        empty = any(file.seen[0] <= 0 for file in files) and quiet < GRACE
+        empty = any(file.seen[0] <= 0 for file in files) and quiet < self.grace
         if quiet < SETTLED or empty:
             return None
         gap = self._step > 0 and self._last is not None and station > self._last + self._step
-        short = len(files) < self._takes or (self._step == 0 and "{take" in self.pattern and len(self._stations) == 1)
-        return None if (gap or short) and quiet < LATE else station
+        short = len(files) < self._takes and len(self._stations) <= FOLLOWERS
+        return None if (gap or short) and quiet < self.late else station
 
     def _handed_out(self, station: int, begun: float) -> Arrival:
         files = dict(sorted(self._stations.pop(station).items()))
@@ -127,7 +134,7 @@ class GrowingFolder:
             self._step = min(self._step or station - self._last, station - self._last)
         self._last, self._takes = station, max(self._takes, len(files))
         names = tuple(file.path.relative_to(self.folder).as_posix() for file in files.values())
-        read = partial(_read, {take: file.path for take, file in files.items()})
+        read = partial(_read, {take: file.path for take, file in files.items()}, grace=self.grace)
         written = max(begun, *(file.seen[1] / 1e9 for file in files.values()))
         return Arrival(StationImages(station, tuple(files), read, names=names), now() - max(time.time() - written, 0.0))
 
@@ -141,7 +148,7 @@ def _state(path: Path) -> tuple[int, int]:
     return found.st_size, found.st_mtime_ns
 
 
-def _read(paths: dict[int, Path], take: int) -> Pixels:
+def _read(paths: dict[int, Path], take: int, *, grace: float) -> Pixels:
     """The pixels, once the file can be decoded; one that does not change for a while and cannot is broken."""
     path = paths[take]
     state = _state(path)
@@ -150,7 +157,7 @@ def _read(paths: dict[int, Path], take: int) -> Pixels:
         try:
             return read_image(path)
         except ImageError:
-            if now() - since > GRACE:
+            if now() - since > grace:
                 raise
         time.sleep(POLL)
         if (current := _state(path)) != state:

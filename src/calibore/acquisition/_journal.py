@@ -63,6 +63,11 @@ class Journal:
         return next((header for header, _, _ in self._records() if header["kind"] == "run"), None)
 
     @property
+    def empty(self) -> bool:
+        """Whether it holds no ring."""
+        return all(header["kind"] != "ring" for header, _, _ in self._records())
+
+    @property
     def rings(self) -> int:
         """How many rings it holds."""
         return sum(header["kind"] == "ring" for header, _, _ in self._records())

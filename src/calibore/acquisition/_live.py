@@ -59,13 +59,13 @@ def _check_new(out: Path, spec: ScanSpec) -> None:
 @contextmanager
 def _journal(out: Path, live: LiveJob, *, resume: bool) -> Iterator[Journal]:
     journal, about = Journal(journal_folder(out)), _about(live)
-    rings, earlier = journal.rings, journal.about()
-    if rings == 0:
+    earlier = journal.about()
+    if journal.empty:
         journal.remove()
     elif not resume:
         raise OutputError(
-            f"{journal.folder} holds {rings} rings that a run into {out} had measured when it was killed; go on with "
-            "them by --resume, write them out by --finish, or remove that folder to begin anew."
+            f"{journal.folder} holds {journal.rings} rings that a run into {out} had measured when it was killed; go "
+            "on with them by --resume, write them out by --finish, or remove that folder to begin anew."
         )
     elif earlier is None or any(earlier.get(key) != value for key, value in about.items()):
         raise InputError(
@@ -77,6 +77,8 @@ def _journal(out: Path, live: LiveJob, *, resume: bool) -> Iterator[Journal]:
         yield journal
     finally:
         journal.close()
+        if journal.empty:
+            journal.remove()
 
 
 def _about(live: LiveJob) -> dict[str, Any]:

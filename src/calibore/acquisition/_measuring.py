@@ -58,7 +58,7 @@ def measured(
                     placement = place(arrival.images)
                     if placement is None:
                         yield Outcome(arrival, None)
-                        continue
+                        break
                     lines = pool.submit(find_lines, arrival.images, job)
                     lines.add_done_callback(lambda _: _told(backlog))
                     working.append(_Work(arrival, placement, lines))

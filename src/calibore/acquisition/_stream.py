@@ -16,6 +16,10 @@ FIRST_PAUSE, LONGEST_PAUSE = 0.5, 30.0
 """Seconds before the first attempt to connect again; each further pause is twice as long, up to the longest."""
 FIRST_ANSWER = 10.0
 """Seconds within which a source must have sent its first picture, where nobody asks for more."""
+TICK = 1e-6
+"""Seconds: pictures never have the same time."""
+LEAST = 1e-3
+"""Seconds between the last picture before an absence and the first after it, whatever the clocks say."""
 AGAIN = "check its power, its network and the address"
 
 
@@ -86,7 +90,7 @@ class LiveStream:
         for frame in frames:
             if not self.connected:
                 start, self.connected = self._connected(backlog), True
-            at, seconds = now(), max(start + frame.time, self._last_time + 1e-6)
+            at, seconds = now(), max(start + frame.time, self._last_time + TICK)
             lost = self._lost(frames, lost, seconds, backlog)
             self._next, self._last_time = base + frame.number + 1, seconds
             if self._fits(frame, base + frame.number, seconds, backlog):
@@ -103,7 +107,7 @@ class LiveStream:
         if self._came:
             backlog.say(f"{self.name} is back.")
         self._came = True
-        return time.time() - self.began
+        return max(time.time() - self.began, self._last_time + LEAST)
 
     def _lost(self, frames: StreamFrames, before: int, seconds: float, backlog: Backlog) -> int:
         """Says what the connection has lost since `before` pictures were lost."""

@@ -16,7 +16,13 @@ HOPELESS = ("FileNotFoundError", "PermissionError", "HTTPUnauthorizedError", "HT
 """What waiting does not cure."""
 LIVE = {"analyzeduration": "500000", "fpsprobesize": "0"}
 """Microseconds and frames that are looked at before the first is handed out; FFmpeg's own are seconds."""
-UDP = {"rtsp_transport": "udp", "buffer_size": "4000000"}
+FRAMES_PER_SECOND = 25.0
+"""Where a stream does not say."""
+FASTEST = 1000.0
+"""Frames per second; what claims more does not know."""
+TCP = {"rtsp_transport": "tcp", "probesize": "32", "fpsprobesize": "0"}
+"""RTSP says what it will send before it does: to look at one packet is enough."""
+UDP = TCP | {"rtsp_transport": "udp", "buffer_size": "4000000"}
 """The buffer takes a burst: the packets of a large key frame come at once."""
 
 
@@ -34,7 +40,6 @@ class StreamFrame:
 
     number: int
     time: float
-    key: bool
     _frame: Any = field(repr=False)
 
     @property
@@ -57,20 +62,30 @@ class StreamFrames:
         self._demuxer = _Demuxer(container)
         self._lost = _Refusals()
         self._frames = _Numbered(stream, self._lost, constant_rate=False).frames(self._demuxer)
-        self._begin: tuple[int, float] | None = None
+        rate = float(stream.average_rate or 0.0)
+        self._rate = rate if 1.0 <= rate <= FASTEST else FRAMES_PER_SECOND
+        self._first: int | None = None
+        self._start: float | None = None
 
     def __iter__(self) -> Iterator[StreamFrame]:
         for number, time, frame in self._frames:
-            if self._begin is None:
-                self._begin = number, time
+            if self._first is None:
+                self._first = number
                 self._lost.clear()
-            first, start = self._begin
-            yield StreamFrame(number - first, time - start, bool(frame.key_frame), frame)
+            yield StreamFrame(number - self._first, self._since(number - self._first, time, frame), frame)
+
+    def _since(self, number: int, time: float, frame: Any) -> float:
+        """Seconds since the first frame; that of RTSP comes without a time, a regular step before the second."""
+        if frame.pts is None:
+            return number / self._rate
+        if self._start is None:
+            self._start = time - number / self._rate
+        return time - self._start
 
     @property
     def refusals(self) -> tuple[Refusal, ...]:
         """Numbered as the frames."""
-        first = self._begin[0] if self._begin else 0
+        first = self._first or 0
         return tuple(Refusal(one.reason, one.count, one.station - first) for one in self._lost.all())
 
     @property
@@ -123,11 +138,11 @@ def _connected(address: str, silence: float) -> Any:
     if not address.startswith(("rtsp://", "rtsps://")):
         return _container(address, silence, LIVE)
     try:
-        return _container(address, silence, LIVE | {"rtsp_transport": "tcp"})
+        return _container(address, silence, TCP)
     except StreamError as error:
         cause = error.__cause__
         if isinstance(cause, FFmpegError) and "rotocol not supported" in str(cause.strerror):
-            return _container(address, silence, LIVE | UDP)
+            return _container(address, silence, UDP)
         raise
 
 
