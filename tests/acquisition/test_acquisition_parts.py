@@ -1,5 +1,6 @@
 """Journal, odometry, panel and command line, each alone."""
 
+import io
 import re
 import time
 from pathlib import Path
@@ -18,6 +19,7 @@ from calibore.acquisition import (
     plain_line,
     speed_of,
 )
+from calibore.cli._live_watch import watch_of
 from calibore.errors import InputError, UsageError
 from calibore.images import StationImages
 from calibore.metrics import RingShape, ring_quantities
@@ -112,6 +114,29 @@ def test_the_panel_shows_what_is_measured_with_its_u95_in_few_short_lines():
     ):
         assert any(words in line for line in text), words
     assert "12.0000 in +- 0.0079" in plain_line(vitals, unit="in")
+
+
+class Terminal(io.StringIO):
+    """Somebody who looks."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_the_panel_is_drawn_in_place_and_what_is_said_stays_above_it(monkeypatch, capsys):
+    screen, vitals = Terminal(), Vitals("camera")
+    monkeypatch.setattr("sys.stdout", screen)
+    monkeypatch.setenv("COLUMNS", "40")
+    with watch_of(unit="mm", json=False, quiet=False) as watch:
+        watch.beat(vitals)
+        height = screen.getvalue().count("\n")
+        watch.say("camera is gone")
+        time.sleep(0.25)
+        watch.beat(vitals)
+    assert screen.getvalue().count(f"\x1b[{height}A\r\x1b[J") == 1
+    assert screen.getvalue().count("source    camera") == 2
+    assert max(map(len, screen.getvalue().replace("\x1b[J", "\n").split("\n"))) < 40
+    assert capsys.readouterr().err == "camera is gone\n"
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,12 @@ from calibore.acquisition._backlog import Arrival, Backlog, LeftOut
 from calibore.acquisition._book import LEFT_OUT, Book
 from calibore.acquisition._description import Wanted, described
 from calibore.acquisition._folder import GrowingFolder
+from calibore.acquisition._job import WAITING, Limits, LiveJob
 from calibore.acquisition._journal import Journal, journal_folder
 from calibore.acquisition._live import default_workers, live_scan
 from calibore.acquisition._panel import panel, plain_line
 from calibore.acquisition._place import LiveOdometry, placed_by_speed, placed_in_folder, speed_of
-from calibore.acquisition._run import WAITING, Limits, LiveJob, Watch
+from calibore.acquisition._run import Watch
 from calibore.acquisition._source import LiveSource
 from calibore.acquisition._stream import LiveStream
 from calibore.acquisition._vitals import Latencies, Vitals

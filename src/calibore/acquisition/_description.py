@@ -7,8 +7,8 @@ from pathlib import Path
 
 from calibore.acquisition._book import Book
 from calibore.acquisition._folder import GrowingFolder
+from calibore.acquisition._job import WAITING, LiveJob
 from calibore.acquisition._place import LiveOdometry, placed_by_speed, placed_in_folder
-from calibore.acquisition._run import WAITING, LiveJob
 from calibore.acquisition._source import LiveSource
 from calibore.acquisition._stream import FIRST_ANSWER, LiveStream
 from calibore.errors import InputError, UsageError
@@ -99,7 +99,9 @@ def _stream(wanted: Wanted, spec: ScanSpec) -> tuple[LiveJob, Callable[[Book], L
     )
     stream.idle = wanted.idle
     place, by_step = _motion(wanted, spec, stream)
-    live = LiveJob(spec, job, place, wanted.workers, wanted.waiting, keep=bool(wanted.keep), by_step=by_step)
+    standing = not by_step and wanted.speed is None and wanted.odometry is None and spec.motion == STANDING
+    more = {"by_step": by_step, "standing": standing}
+    live = LiveJob(spec, job, place, wanted.workers, wanted.waiting, keep=bool(wanted.keep), **more)
 
     def after(book: Book) -> LiveSource:
         if book.last_station is not None:

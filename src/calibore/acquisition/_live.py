@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from calibore.acquisition._book import Book
+from calibore.acquisition._job import Limits, LiveJob
 from calibore.acquisition._journal import Journal, journal_folder
-from calibore.acquisition._run import Limits, LiveJob, Run, Watch
+from calibore.acquisition._run import Run, Watch
 from calibore.acquisition._source import LiveSource
 from calibore.errors import InputError, OutputError
 from calibore.profiling import Finisher, Sealed

@@ -1,8 +1,10 @@
 """Pictures measured as they come: each result as soon as it is there, in order, with little work under way."""
 
 from collections import deque
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from importlib import import_module
 from typing import Any, NamedTuple
 
 from threadpoolctl import threadpool_limits
@@ -47,27 +49,34 @@ def measured(
             (working and working[0].lines.done()) or (len(working) <= workers and len(backlog)) or backlog.closed
         )
 
+    pool = ThreadPoolExecutor(workers, thread_name_prefix="calibore")
+    try:
+        while True:
+            beat()
+            with backlog.changed:
+                backlog.changed.wait_for(something_to_do, BEAT)
+            while len(working) <= workers and (arrival := backlog.take()) is not None:
+                placement = place(arrival.images)
+                if placement is None:
+                    yield Outcome(arrival, None)
+                    break
+                lines = pool.submit(find_lines, arrival.images, job)
+                lines.add_done_callback(lambda _: _told(backlog))
+                working.append(_Work(arrival, placement, lines))
+            if working and (working[0].lines.done() or backlog.closed):
+                yield _evaluated(working.popleft(), job)
+            elif backlog.closed and not working and not len(backlog):
+                return
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def prepared() -> Iterator[None]:
+    """What takes long once is done before the first picture comes; linear algebra keeps to one thread meanwhile."""
+    import_module("zarr")  # 0.7 s, which would come when the first chunk is written
     with threadpool_limits(limits=1, user_api="blas"):
-        pool = ThreadPoolExecutor(workers, thread_name_prefix="calibore")
-        try:
-            while True:
-                beat()
-                with backlog.changed:
-                    backlog.changed.wait_for(something_to_do, BEAT)
-                while len(working) <= workers and (arrival := backlog.take()) is not None:
-                    placement = place(arrival.images)
-                    if placement is None:
-                        yield Outcome(arrival, None)
-                        break
-                    lines = pool.submit(find_lines, arrival.images, job)
-                    lines.add_done_callback(lambda _: _told(backlog))
-                    working.append(_Work(arrival, placement, lines))
-                if working and (working[0].lines.done() or backlog.closed):
-                    yield _evaluated(working.popleft(), job)
-                elif backlog.closed and not working and not len(backlog):
-                    return
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+        yield
 
 
 def _told(backlog: Backlog) -> None:

@@ -3,24 +3,20 @@
 import time
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass, field
 from threading import Event, Thread
 from typing import Any, Protocol
 
 from calibore.acquisition._backlog import Backlog, LeftOut, now
 from calibore.acquisition._book import Book
-from calibore.acquisition._measuring import Outcome, measured
+from calibore.acquisition._job import Limits, LiveJob
+from calibore.acquisition._measuring import Outcome, measured, prepared
 from calibore.acquisition._ring import KeptRing
 from calibore.acquisition._source import LiveSource
 from calibore.acquisition._stream import LiveStream
 from calibore.acquisition._summary import live_summary
 from calibore.acquisition._vitals import Vitals
 from calibore.errors import InputError
-from calibore.profiling import Example, Job, Placer, StationRefusedError, StationResult
-from calibore.scans import ScanSpec
-
-WAITING = 4
-"""Pictures that may wait to be measured, where nobody says how many."""
+from calibore.profiling import Example, StationRefusedError, StationResult
 
 
 class Watch(Protocol):
@@ -35,31 +31,6 @@ class Watch(Protocol):
         ...
 
     def say(self, sentence: str, /) -> None: ...
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What ends a run besides its source: rings, seconds; `stop`, when somebody sets it."""
-
-    count: int | None = None
-    duration: float | None = None
-    stop: Event = field(default_factory=Event)
-
-
-@dataclass(frozen=True)
-class LiveJob:
-    """What is measured and how. `place` is called in the order of the pictures; `by_step`: it counts them.
-
-    `size`: pictures that may wait; `keep`: none is ever dropped, else the oldest that waits is.
-    """
-
-    spec: ScanSpec
-    job: Job
-    place: Placer
-    workers: int
-    size: int = WAITING
-    keep: bool = False
-    by_step: bool = False
 
 
 class Run:
@@ -88,8 +59,9 @@ class Run:
         if finish_only:
             self._ended = "finished"
         else:
-            Thread(target=self._fetch, name="calibore source", daemon=True).start()
-            self._measure()
+            with prepared():
+                Thread(target=self._fetch, name="calibore source", daemon=True).start()
+                self._measure()
         self._book.close(sorted(self._live.place.expected))
         if self._book.tally.stations == 0:
             self._nothing()
@@ -192,12 +164,5 @@ class Run:
     def summary(self, ended: str) -> dict[str, Any]:
         """What is written into summary.json."""
         return live_summary(
-            self._live.spec,
-            self._live.job,
-            self._book,
-            self._vitals,
-            source=self._source,
-            ended=ended,
-            replayed=self._replayed,
-            by_step=self._live.by_step,
+            self._live, self._book, self._vitals, source=self._source, ended=ended, replayed=self._replayed
         )

@@ -4,10 +4,10 @@ import datetime
 from typing import Any
 
 from calibore.acquisition._book import LEFT_OUT, Book
+from calibore.acquisition._job import LiveJob
 from calibore.acquisition._stream import LiveStream
 from calibore.acquisition._vitals import Vitals
-from calibore.profiling import Job, summarise
-from calibore.scans import ScanSpec
+from calibore.profiling import summarise
 
 ENDED = {
     "count": "as many rings as asked for",
@@ -19,12 +19,12 @@ ENDED = {
 
 
 def live_summary(
-    spec: ScanSpec, job: Job, book: Book, vitals: Vitals, *, source: object, ended: str, replayed: int, by_step: bool
+    live: LiveJob, book: Book, vitals: Vitals, *, source: object, ended: str, replayed: int
 ) -> dict[str, Any]:
     """The summary of `calibore profile`, with what only a live run has under "live"; its warnings are told too."""
-    found = summarise(spec, job, book.tally)
+    found = summarise(live.spec, live.job, book.tally)
     counts = found["counts"] | {"dropped_images": book.dropped}
-    live = {
+    said: dict[str, Any] = {
         "source": vitals.source,
         "began": None if book.began is None else _moment(book.began),
         "ended": ENDED[ended],
@@ -35,13 +35,13 @@ def live_summary(
             "largest": vitals.latencies.largest,
         },
     }
-    warnings = [*found["warnings"], *_warnings(book, source, replayed=replayed, by_step=by_step)]
+    warnings = [*found["warnings"], *_warnings(live, book, source, replayed=replayed)]
     if isinstance(source, LiveStream):
-        live["absences"] = source.absences
-    return found | {"command": "live", "counts": counts, "live": live, "warnings": warnings}
+        said["absences"] = source.absences
+    return found | {"command": "live", "counts": counts, "live": said, "warnings": warnings}
 
 
-def _warnings(book: Book, source: object, *, replayed: int, by_step: bool) -> list[str]:
+def _warnings(live: LiveJob, book: Book, source: object, *, replayed: int) -> list[str]:
     found = []
     if book.dropped and book.dropped_between:
         pictures = "1 picture was" if book.dropped == 1 else f"{book.dropped} pictures were"
@@ -53,10 +53,15 @@ def _warnings(book: Book, source: object, *, replayed: int, by_step: bool) -> li
     away = source.absences if isinstance(source, LiveStream) else 0
     if away:
         found.append(f"The source was away {'once' if away == 1 else f'{away} times'} and came back or was given up.")
-    if by_step and isinstance(source, LiveStream) and (away or replayed):
+    if live.by_step and isinstance(source, LiveStream) and (away or replayed):
         found.append(
             "Positions count pictures, and nobody counted them while the source or this program was away: what was "
             "travelled meanwhile is missing in every later position. Use a speed or an odometry table."
+        )
+    if live.standing:
+        found.append(
+            "Nobody said that the rig moves: every ring lies at axial position 0, and time_s in profile.zarr tells "
+            "when it was taken. Give --speed, --step or --odometry where it does."
         )
     return found
 

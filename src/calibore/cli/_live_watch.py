@@ -1,5 +1,6 @@
 """How a live run shows itself: a panel on a terminal, a line now and then in a log, JSON for programs, or nothing."""
 
+import shutil
 import sys
 import time
 from collections.abc import Iterator
@@ -94,7 +95,8 @@ class _Panel(_Quiet):
         from calibore.acquisition import panel
 
         self._erase()
-        lines = panel(vitals, unit=self._unit)
+        width = shutil.get_terminal_size().columns - 1  # a line that wraps could not be drawn again in place
+        lines = [line[:width] for line in panel(vitals, unit=self._unit)]
         sys.stdout.write("".join(f"{line}\n" for line in lines))
         sys.stdout.flush()
         self._lines, self._drawn = len(lines), time.monotonic()
