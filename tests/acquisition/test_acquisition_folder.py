@@ -50,7 +50,7 @@ def test_takes_of_a_station_are_waited_for_and_combined(pictures, tmp_path):
             for name in (second, *(name for name in names if not (scan / name).exists())):
                 shutil.copy(pictures / name, scan)
 
-    summary = run(Wanted(str(scan), idle=0.5), tmp_path / "out", watch=Record(each=bring_rest), late=5.0)
+    summary = run(Wanted(str(scan), idle=0.5), tmp_path / "out", watch=Record(each=bring_rest), late=3.0)
     assert contents(tmp_path / "out", *PARTS) == contents(pictures.parent / "profiled", *PARTS)
     assert summary["counts"]["images"] == PICTURES + 1
 

@@ -95,9 +95,13 @@ def _stream(wanted: Wanted, spec: ScanSpec) -> tuple[LiveJob, Callable[[Book], L
     channel = video_channel(without_password(address), rig)
     job = forward_job(spec, rig, channel=channel, estimator=wanted.estimator)
     stream = LiveStream(
-        address, (rig.camera.width, rig.camera.height), channel, patience=max(FIRST_ANSWER, wanted.idle or 0.0)
+        address,
+        (rig.camera.width, rig.camera.height),
+        channel,
+        patience=max(FIRST_ANSWER, wanted.idle or 0.0),
+        idle=wanted.idle,
+        keeps=bool(wanted.keep),
     )
-    stream.idle = wanted.idle
     place, by_step = _motion(wanted, spec, stream)
     standing = not by_step and wanted.speed is None and wanted.odometry is None and spec.motion == STANDING
     more = {"by_step": by_step, "standing": standing}

@@ -1,5 +1,6 @@
 """Pictures measured as they come: each result as soon as it is there, in order, with little work under way."""
 
+import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -19,6 +20,9 @@ from calibore.profiling import (
     evaluate_station,
     find_lines,
 )
+
+PATIENCE = 5e-4
+"""Seconds that the thread which fetches pictures waits for the one that measures; Python's own are ten times that."""
 
 
 class Outcome(NamedTuple):
@@ -75,8 +79,13 @@ def measured(
 def prepared() -> Iterator[None]:
     """What takes long once is done before the first picture comes; linear algebra keeps to one thread meanwhile."""
     import_module("zarr")  # 0.7 s, which would come when the first chunk is written
-    with threadpool_limits(limits=1, user_api="blas"):
-        yield
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(PATIENCE)
+    try:
+        with threadpool_limits(limits=1, user_api="blas"):
+            yield
+    finally:
+        sys.setswitchinterval(interval)
 
 
 def _told(backlog: Backlog) -> None:

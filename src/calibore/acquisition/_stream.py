@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from threading import Event
 
-from calibore.acquisition._backlog import Arrival, Backlog, LeftOut, now
+from calibore.acquisition._backlog import DROPPED, Arrival, Backlog, LeftOut, now
 from calibore.errors import ImageError, InputError
 from calibore.images import Pixels, StationImages, StreamError, StreamFrame, StreamFrames, opened_stream
 from calibore.scans import without_password
@@ -65,7 +65,7 @@ class LiveStream:
         while not stop.is_set():
             before = self._next
             try:
-                with opened_stream(self.address, silence=self.silence) as frames:
+                with opened_stream(self.address, silence=self.silence, keep_up=not self.keeps) as frames:
                     yield from self._of(frames, backlog, stop)
                 why, hopeless = frames.why_it_ended, False
             except StreamError as error:
@@ -86,12 +86,16 @@ class LiveStream:
 
     def _of(self, frames: StreamFrames, backlog: Backlog, stop: Event) -> Iterator[Arrival]:
         """The pictures of one connection."""
-        base, lost, start = self._next, 0, 0.0
+        base, lost, skipped, start = self._next, 0, 0, 0.0
         for frame in frames:
             if not self.connected:
                 start, self.connected = self._connected(backlog), True
             at, seconds = now(), max(start + frame.time, self._last_time + TICK)
             lost = self._lost(frames, lost, seconds, backlog)
+            if (behind := frames.skipped - skipped) > 0:
+                first = base + frame.number - behind
+                backlog.say(LeftOut(first, self._last_time, DROPPED, refused=False, count=behind))
+                skipped += behind
             self._next, self._last_time = base + frame.number + 1, seconds
             if self._fits(frame, base + frame.number, seconds, backlog):
                 yield Arrival(_station(base + frame.number, seconds, frame, self.channel), at)

@@ -4,9 +4,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from calibore.errors import InputError
+from calibore.images._pace import Pace
 from calibore.images._source import Pixels, Refusal
 from calibore.images._video import FAILING_ON_DAMAGE, _Numbered, _pixels, _Refusals
 
@@ -58,8 +60,9 @@ class StreamFrames:
     Frames that come before the first key frame cannot be shown, and are nobody's loss.
     """
 
-    def __init__(self, container: Any, stream: Any) -> None:
-        self._demuxer = _Demuxer(container)
+    def __init__(self, container: Any, stream: Any, *, keep_up: bool) -> None:
+        self._demuxer = _Demuxer(container, Pace() if keep_up else None)
+        self._skipped_before = 0
         self._lost = _Refusals()
         self._frames = _Numbered(stream, self._lost, constant_rate=False).frames(self._demuxer)
         rate = float(stream.average_rate or 0.0)
@@ -70,9 +73,10 @@ class StreamFrames:
     def __iter__(self) -> Iterator[StreamFrame]:
         for number, time, frame in self._frames:
             if self._first is None:
-                self._first = number
+                self._first, self._skipped_before = number, self._demuxer.skipped
                 self._lost.clear()
-            yield StreamFrame(number - self._first, self._since(number - self._first, time, frame), frame)
+            place = number - self._first + self.skipped
+            yield StreamFrame(place, self._since(place, time, frame), frame)
 
     def _since(self, number: int, time: float, frame: Any) -> float:
         """Seconds since the first frame; that of RTSP comes without a time, a regular step before the second."""
@@ -89,32 +93,48 @@ class StreamFrames:
         return tuple(Refusal(one.reason, one.count, one.station - first) for one in self._lost.all())
 
     @property
+    def skipped(self) -> int:
+        """Frames that were not decoded because this program could not keep up."""
+        return self._demuxer.skipped - self._skipped_before
+
+    @property
     def why_it_ended(self) -> str:
         """In words that follow "the source is gone"."""
         return self._demuxer.why
 
 
 class _Demuxer:
-    """The container's packets, and why there are no more."""
+    """The container's packets, less those that `pace` skips, and why there are no more."""
 
-    def __init__(self, container: Any) -> None:
-        self._container = container
+    def __init__(self, container: Any, pace: Pace | None) -> None:
+        self._container, self._pace = container, pace
+        self.skipped = 0
         self.why = "it sends nothing more"
 
     def demux(self, stream: Any) -> Iterator[Any]:
         from av.error import FFmpegError
 
         try:
-            yield from self._container.demux(stream)
+            for packet in self._container.demux(stream):
+                if self._skips(packet):
+                    self.skipped += 1
+                else:
+                    yield packet
         except FFmpegError as error:
             self.why = _why(error)
 
+    def _skips(self, packet: Any) -> bool:
+        if self._pace is None or packet.pts is None or not packet.size:
+            return False
+        return self._pace.skips(float(packet.pts * packet.time_base), monotonic(), key=packet.is_keyframe)
+
 
 @contextmanager
-def opened_stream(address: str, *, silence: float) -> Iterator[StreamFrames]:
+def opened_stream(address: str, *, silence: float, keep_up: bool = True) -> Iterator[StreamFrames]:
     """The frames of `address`: a network address (rtsp, http, tcp, udp), a device (`/dev/video0`) or its number.
 
-    A source that is silent for `silence` [s] has ended. RTSP comes over TCP where the server can, else over UDP. Raises
+    A source that is silent for `silence` [s] has ended. With `keep_up` frames are skipped where they come faster than
+    they can be decoded, so that they are fresh. RTSP comes over TCP where the server can, else over UDP. Raises
     StreamError where nothing answers, or what answers is no video.
     """
     container = _connected(address, silence)
@@ -124,7 +144,7 @@ def opened_stream(address: str, *, silence: float) -> Iterator[StreamFrames]:
             raise StreamError("what it sends is no video that can be decoded", hopeless=True)
         if stream.codec_context.name in FAILING_ON_DAMAGE:
             stream.codec_context.options = {"err_detect": "explode"}
-        yield StreamFrames(container, stream)
+        yield StreamFrames(container, stream, keep_up=keep_up)
     finally:
         with suppress(Exception):
             container.close()
