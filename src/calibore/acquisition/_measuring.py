@@ -5,20 +5,19 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from importlib import import_module
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from threadpoolctl import threadpool_limits
 
 from calibore.acquisition._backlog import BEAT, Arrival, Backlog
+from calibore.images import StationImages
 from calibore.profiling import (
     Job,
     Placement,
     Placer,
     StationRefusedError,
     StationResult,
-    evaluate_station,
-    find_lines,
+    measure_station,
 )
 
 PATIENCE = 5e-4
@@ -34,8 +33,7 @@ class Outcome(NamedTuple):
 
 class _Work(NamedTuple):
     arrival: Arrival
-    placement: Placement
-    lines: Future[Any]
+    result: Future[StationResult | StationRefusedError]
 
 
 def measured(
@@ -43,15 +41,14 @@ def measured(
 ) -> Generator[Outcome]:
     """Everything that comes through `backlog` until it is closed; `beat` is called several times a second.
 
-    Threads find lines, one picture more than there are `workers` at a time, so that what is measured is fresh; the rest
-    is done here. Leaving the iteration early gives up what is under way.
+    Threads measure, one picture more than there are `workers` at a time, so that what is measured is fresh. Leaving
+    the iteration early gives up what is under way.
     """
     working: deque[_Work] = deque()
 
     def something_to_do() -> bool:
-        return bool(
-            (working and working[0].lines.done()) or (len(working) <= workers and len(backlog)) or backlog.closed
-        )
+        done = bool(working) and working[0].result.done()
+        return done or (len(working) <= workers and len(backlog) > 0) or backlog.closed
 
     pool = ThreadPoolExecutor(workers, thread_name_prefix="calibore")
     try:
@@ -64,11 +61,12 @@ def measured(
                 if placement is None:
                     yield Outcome(arrival, None)
                     break
-                lines = pool.submit(find_lines, arrival.images, job)
-                lines.add_done_callback(lambda _: _told(backlog))
-                working.append(_Work(arrival, placement, lines))
-            if working and (working[0].lines.done() or backlog.closed):
-                yield _evaluated(working.popleft(), job)
+                result = pool.submit(_measured, arrival.images, placement, job)
+                result.add_done_callback(lambda _: _told(backlog))
+                working.append(_Work(arrival, result))
+            if working and (working[0].result.done() or backlog.closed):
+                arrival, result = working.popleft()
+                yield Outcome(arrival, result.result())
             elif backlog.closed and not working and not len(backlog):
                 return
     finally:
@@ -77,8 +75,7 @@ def measured(
 
 @contextmanager
 def prepared() -> Iterator[None]:
-    """What takes long once is done before the first picture comes; linear algebra keeps to one thread meanwhile."""
-    import_module("zarr")  # 0.7 s, which would come when the first chunk is written
+    """Linear algebra keeps to one thread meanwhile, and the thread that fetches pictures need not wait for others."""
     interval = sys.getswitchinterval()
     sys.setswitchinterval(PATIENCE)
     try:
@@ -93,8 +90,8 @@ def _told(backlog: Backlog) -> None:
         backlog.changed.notify_all()
 
 
-def _evaluated(work: _Work, job: Job) -> Outcome:
+def _measured(images: StationImages, placement: Placement, job: Job) -> StationResult | StationRefusedError:
     try:
-        return Outcome(work.arrival, evaluate_station(work.lines.result(), work.placement, job))
+        return measure_station(images, placement, job)
     except StationRefusedError as refused:
-        return Outcome(work.arrival, refused)
+        return refused
