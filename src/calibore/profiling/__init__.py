@@ -4,7 +4,6 @@
 `measure_scan`   the same station by station, for programs that keep results in memory
 `measure_image`  one picture in memory to a `Ring` on the clock grid
 `prepare`        reads and checks what a scan folder says before its first image is read
-`find_lines`, `evaluate_station`   the two halves of `measure_station`, for whoever schedules them
 `archive_scan`   a scan folder in, one that holds its pictures in an archive out
 """
 
@@ -28,8 +27,6 @@ from calibore.profiling._station import (
     RefusedImage,
     StationRefusedError,
     StationResult,
-    evaluate_station,
-    find_lines,
     measure_image,
     measure_station,
 )
@@ -50,8 +47,6 @@ __all__ = [
     "StationResult",
     "Tally",
     "archive_scan",
-    "evaluate_station",
-    "find_lines",
     "forward_job",
     "forward_rig",
     "measure_image",
