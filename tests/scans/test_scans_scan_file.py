@@ -112,7 +112,7 @@ MISTAKES = {
     "no images": (
         re.compile(r"\[images\]\npattern.*\n"),
         "",
-        "names no data; give exactly one of images.pattern, images.video",
+        "names no data; give exactly one of images.pattern, images.video, images.stream",
     ),
     "pattern and video": (
         "[images]",

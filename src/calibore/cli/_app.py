@@ -16,6 +16,7 @@ from calibore.cli._export import export
 from calibore.cli._failure import telling_failures
 from calibore.cli._help import show_help
 from calibore.cli._import import import_scan
+from calibore.cli._live import live
 from calibore.cli._profile import profile
 from calibore.cli._reproduce import reproduce
 from calibore.cli._simulate import simulate
@@ -45,7 +46,7 @@ def _common(
     pass
 
 
-for verb in (demo, profile, compare, export, reproduce, simulate):
+for verb in (demo, profile, live, compare, export, reproduce, simulate):
     app.command()(verb)
 app.command("import")(import_scan)
 app.add_typer(calibrate)

@@ -138,9 +138,9 @@ def brief(summary: dict[str, Any], unit: str) -> Iterator[str]:
         )
 
 
-def as_json(value: Any) -> str:
+def as_json(value: Any, *, indent: int | None = 2) -> str:
     """`value` as JSON that every reader takes: what is not a finite number is null, and only ASCII leaves."""
-    return json_encoder.dumps(_finite(value), indent=2, allow_nan=False)
+    return json_encoder.dumps(_finite(value), indent=indent, allow_nan=False)
 
 
 def _finite(value: Any) -> Any:

@@ -8,10 +8,11 @@ sensor wrote.
 from calibore.images._ahead import read_ahead
 from calibore.images._archive import ImageArchive
 from calibore.images._archive_writer import JOURNAL, Imported, write_archive
-from calibore.images._folder import ImageFolder
+from calibore.images._folder import ImageFolder, names_in
 from calibore.images._pattern import FIELDS, NamePattern
 from calibore.images._reading import LIMIT, ImageFileError, image_size, read_image
 from calibore.images._source import ImageSource, PictureFile, Pixels, Refusal, StationImages
+from calibore.images._stream import StreamError, StreamFrame, StreamFrames, opened_stream
 from calibore.images._tables import Odometry, StationRow, read_odometry, read_station_table
 from calibore.images._video import CHANNELS, Video
 
@@ -32,8 +33,13 @@ __all__ = [
     "Refusal",
     "StationImages",
     "StationRow",
+    "StreamError",
+    "StreamFrame",
+    "StreamFrames",
     "Video",
     "image_size",
+    "names_in",
+    "opened_stream",
     "read_ahead",
     "read_image",
     "read_odometry",

@@ -74,8 +74,13 @@ def _read_one(paths: dict[int, Path], take: int, *, limit: int) -> Pixels:
     return read_image(paths[take], limit=limit)
 
 
+def names_in(folder: Path, pattern: NamePattern) -> Iterator[str]:
+    """Names of everything in `folder` that `pattern` may match, sub-folders before "/"; raises OSError."""
+    yield from _names(folder, pattern.folders, "")
+
+
 def _matches(folder: Path, pattern: NamePattern) -> Iterator[tuple[Path, dict[str, int]]]:
-    for name in _names(folder, pattern.folders, ""):
+    for name in names_in(folder, pattern):
         numbers = pattern.match(name)
         if numbers is not None and (path := folder / name).is_file():
             yield path, numbers

@@ -10,22 +10,52 @@
 from calibore.profiling._archive import archive_scan
 from calibore.profiling._grid import Ring
 from calibore.profiling._job import Job
-from calibore.profiling._profile import Finisher, Progress, Sealed, measure_scan, prepare, profile_scan
-from calibore.profiling._station import StationResult, measure_image, measure_station
-from calibore.profiling._summary import Tally
+from calibore.profiling._measured import Example
+from calibore.profiling._placement import FOLDER_CHANNEL, Placement, Placer, placed_by_station, video_channel
+from calibore.profiling._profile import (
+    Finisher,
+    Progress,
+    Sealed,
+    forward_job,
+    forward_rig,
+    measure_scan,
+    prepare,
+    profile_scan,
+)
+from calibore.profiling._row import row_quantities
+from calibore.profiling._station import (
+    RefusedImage,
+    StationRefusedError,
+    StationResult,
+    measure_image,
+    measure_station,
+)
+from calibore.profiling._summary import Tally, summarise
 
 __all__ = [
+    "FOLDER_CHANNEL",
+    "Example",
     "Finisher",
     "Job",
+    "Placement",
+    "Placer",
     "Progress",
+    "RefusedImage",
     "Ring",
     "Sealed",
+    "StationRefusedError",
     "StationResult",
     "Tally",
     "archive_scan",
+    "forward_job",
+    "forward_rig",
     "measure_image",
     "measure_scan",
     "measure_station",
+    "placed_by_station",
     "prepare",
     "profile_scan",
+    "row_quantities",
+    "summarise",
+    "video_channel",
 ]

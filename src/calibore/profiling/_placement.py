@@ -56,18 +56,25 @@ def open_source(spec: ScanSpec, rig: Rig) -> tuple[ImageSource, str, Placer]:
     """The scan's pictures, the colour channel in which lines are looked for where the rig file says none, and where
     its stations lie.
     """
-    channels = {laser.channel for laser in rig.lasers}
-    channel = rig.lasers[0].channel
+    if spec.stream is not None:
+        raise InputError(
+            f"{spec.folder / 'scan.toml'} names a stream, which is measured while it comes; use `calibore live`."
+        )
     if spec.video is not None:
-        if len(channels) > 1:
-            raise InputError(
-                f'Video "{spec.video}" is read in one colour channel, but the lasers of the rig have several; '
-                "give them one channel, or save the frames as images."
-            )
-        return _open_video(spec, spec.video, channel=channel or VIDEO_CHANNEL, camera=rig.camera)
+        return _open_video(spec, spec.video, channel=video_channel(spec.video, rig), camera=rig.camera)
     pattern = spec.pattern or ""
     source = ImageArchive(spec.archive, pattern) if spec.archive else ImageFolder(spec.folder, pattern)
-    return source, FOLDER_CHANNEL, _by_station(spec)
+    return source, FOLDER_CHANNEL, placed_by_station(spec)
+
+
+def video_channel(video: Path | str, rig: Rig) -> str:
+    """The one colour channel in which a film or stream of `rig` is read."""
+    if len({laser.channel for laser in rig.lasers}) > 1:
+        raise InputError(
+            f'Video "{video}" is read in one colour channel, but the lasers of the rig have several; '
+            "give them one channel, or save the frames as images."
+        )
+    return rig.lasers[0].channel or VIDEO_CHANNEL
 
 
 def _open_video(spec: ScanSpec, path: Path, *, channel: str, camera: Camera) -> tuple[ImageSource, str, Placer]:
@@ -79,7 +86,7 @@ def _open_video(spec: ScanSpec, path: Path, *, channel: str, camera: Camera) -> 
             f"{camera.width} x {camera.height} px; use the rig file of the camera that took it."
         )
     if odometry is None:
-        return source, channel, _by_station(spec)
+        return source, channel, placed_by_station(spec)
 
     def place(station: StationImages) -> Placement | None:
         time = station.time_s if station.time_s is not None else float("nan")
@@ -89,7 +96,8 @@ def _open_video(spec: ScanSpec, path: Path, *, channel: str, camera: Camera) -> 
     return source, channel, Placer(place)
 
 
-def _by_station(spec: ScanSpec) -> Placer:
+def placed_by_station(spec: ScanSpec) -> Placer:
+    """By the number of each station: in regular steps, or as the station table says."""
     motion = spec.motion
     if isinstance(motion, AxialMotion):
         return Placer(

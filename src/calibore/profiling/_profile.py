@@ -77,6 +77,13 @@ class _Reading:
 
 def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer]:
     """Everything that can be wrong with a scan before its first image is read, found out."""
+    rig = forward_rig(spec, estimator=estimator)
+    source, channel, place = open_source(spec, rig)
+    return forward_job(spec, rig, channel=channel, estimator=estimator), source, place
+
+
+def forward_rig(spec: ScanSpec, *, estimator: str) -> Rig:
+    """The rig of a scan of laser rings ahead of the camera; raises InputError where it is none."""
     estimator_named(estimator)
     if spec.kind != "forward-looking":
         raise InputError(
@@ -91,7 +98,11 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
             "rings ahead of the camera; name the rig file that belongs to it (a side-facing head needs {angular} in "
             "images.pattern, and motion.angular)."
         )
-    source, channel, place = open_source(spec, rig)
+    return rig
+
+
+def forward_job(spec: ScanSpec, rig: Rig, *, channel: str, estimator: str) -> Job:
+    """What all stations of the scan share; `channel` for lasers of which the rig file names none."""
     try:
         job = Job.of(
             rig,
@@ -107,7 +118,7 @@ def prepare(spec: ScanSpec, *, estimator: str) -> tuple[Job, ImageSource, Placer
         check_told_apart(rig, job.looks)
     except InputError as error:
         raise InputError(f"{spec.rig_path}: {error}") from error
-    return job, source, place
+    return job
 
 
 def measure_scan(

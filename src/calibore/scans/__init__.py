@@ -10,7 +10,7 @@ from calibore.scans._lock import locked
 from calibore.scans._profile import Profile, joined, read_profile
 from calibore.scans._results import open_points, open_profile, read_rings
 from calibore.scans._ring import RingPoints, RingProfile
-from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables
+from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables, without_password
 from calibore.scans._scan_file import read_scan
 from calibore.scans._writer import ResultWriter
 
@@ -33,4 +33,5 @@ __all__ = [
     "read_profile",
     "read_rings",
     "read_scan",
+    "without_password",
 ]

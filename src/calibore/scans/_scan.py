@@ -1,6 +1,7 @@
 """What a scan folder says, as values: `ScanSpec` and the motions of carriage and head."""
 
 import datetime
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -46,10 +47,16 @@ class TactileTables:
     drift: float | None = None
 
 
+def without_password(address: str) -> str:
+    """`address` as people may see it: `rtsp://name:secret@camera/1` becomes `rtsp://camera/1`."""
+    return re.sub(r"(?<=://)[^/@]*@", "", address)
+
+
 @dataclass(frozen=True)
 class ScanSpec:
-    """What a scan folder says, SI units, paths resolved; exactly one of `pattern`, `video`, `tactile` is set.
+    """What a scan folder says, SI units, paths resolved; exactly one of `pattern`, `video`, `tactile`, `stream` is set.
 
+    `stream`: where a camera's pictures come from while they are taken; its password is part of nothing that is written.
     `archive`: the Zarr group that holds the pictures called as `pattern` says; None where they are files.
 
     `motion` is an `AxialMotion` or the path of a table. `search_inner` and `search_outer` are fractions of the nominal
@@ -75,6 +82,7 @@ class ScanSpec:
     search_outer: float = 1.5
     axial_step: float | None = None
     date: datetime.date | None = None
+    stream: str | None = None
 
     @property
     def kind(self) -> Literal["forward-looking", "side-facing", "tactile"]:

@@ -12,15 +12,20 @@ from pydantic import AfterValidator, BeforeValidator, Field, Strict
 
 from calibore.documents import Angle, Document, Length, read_document
 from calibore.errors import InputError
-from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables
+from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables, without_password
 
 PATTERN_FIELDS = ("station", "angular", "take")
 
 
-def read_scan(path: Path | str) -> ScanSpec:
-    """The scan described by `path`, a scan folder or its scan.toml; raises InputError naming file, key and remedy."""
+def read_scan(path: Path | str, *, stream: str | None = None) -> ScanSpec:
+    """The scan described by `path`, a scan folder or its scan.toml; raises InputError naming file, key and remedy.
+
+    `stream`: the camera whose pictures are measured while they come, in place of those that scan.toml names, if any.
+    """
     toml = _toml_of(Path(path))
     document = read_document(toml, _Scan)
+    if stream is not None:
+        document = document.model_copy(update={"images": _Images(stream=stream), "tactile": None})
     _check_sources(document, toml)
     if document.images and document.images.pattern is not None:
         _check_pattern(document.images.pattern, document.motion, toml)
@@ -76,6 +81,7 @@ class _Images(Document):
     pattern: str | None = None
     archive: str | None = None
     video: str | None = None
+    stream: Annotated[str | None, Field(exclude_if=lambda value: value is None)] = None
 
 
 class _Tactile(Document):
@@ -141,13 +147,16 @@ def _check_sources(document: _Scan, toml: Path) -> None:
         for key, value in (
             ("images.pattern", images and images.pattern),
             ("images.video", images and images.video),
+            ("images.stream", images and images.stream),
             ("[tactile]", document.tactile),
         )
         if value is not None
     ]
     if len(named) != 1:
         said = f"names {' and '.join(named)}" if named else "names no data"
-        raise InputError(f"{toml} {said}; give exactly one of images.pattern, images.video and [tactile].")
+        raise InputError(
+            f"{toml} {said}; give exactly one of images.pattern, images.video, images.stream and [tactile]."
+        )
     if images and images.archive is not None and images.pattern is None:
         raise InputError(
             f"{toml}: images.archive needs images.pattern beside it, the names that its pictures had as files."
@@ -203,6 +212,7 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
         pattern=images.pattern,
         archive=None if images.archive is None else _archive(folder, images.archive, toml),
         video=None if images.video is None else file("images.video", images.video),
+        stream=images.stream,
         tactile=_tables(tactile, file) if tactile else None,
         angular=AngularMotion(angular.origin, angular.step) if angular else None,
         limit_deflection_percent=document.pipe.limit_deflection,
@@ -233,7 +243,9 @@ def _tables(tactile: _Tactile, file: Callable[[str, str], Path]) -> TactileTable
 
 
 def _identity(folder: Path, document: _Scan) -> str:
-    kept = {"name": True, "images": {"pattern", "video"}, "tactile": {"signal", "bias"}}
+    kept = {"name": True, "images": {"pattern", "video", "stream"}, "tactile": {"signal", "bias"}}
     sources = document.model_dump(include=kept)  # pictures are the same ones in an archive
+    if document.images and document.images.stream:
+        sources["images"]["stream"] = without_password(document.images.stream)
     text = json.dumps([folder.name, sources], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
