@@ -7,6 +7,8 @@
 mod centre;
 mod chain;
 mod choice;
+#[cfg(fuzzing)]
+pub mod entries;
 mod features;
 mod fit;
 mod guide;

@@ -50,6 +50,14 @@ def read_document(path: Path, model: type[Model]) -> Model:
         ) from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is not valid TOML: {error}. Correct that line.") from error
+    except RecursionError as error:
+        raise InputError(
+            f"{path} cannot be read: its tables or lists are nested too deeply; make them flat."
+        ) from error
+    except ValueError as error:
+        raise InputError(
+            f"{path} cannot be read: it holds an impossible number or date ({error}); correct it."
+        ) from error
     return validate(data, model, path=path)
 
 
