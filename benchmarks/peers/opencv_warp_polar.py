@@ -60,13 +60,21 @@ def centroid(u: np.ndarray, v: np.ndarray) -> tuple[float, float]:
     )
 
 
-def ring(image: np.ndarray, centre: tuple[float, float], inner: float, outer: float, band: int, peaks=parabola_peaks):
+def ring(
+    image: np.ndarray,
+    centre: tuple[float, float],
+    inner: float,
+    outer: float,
+    band: int,
+    peaks=parabola_peaks,
+    unwrapping=unwrap,
+):
     """(u, v) of the ring, NaN where not found; `image` (h, w, 3)."""
     plane = np.ascontiguousarray(image[:, :, band])
     azimuth = np.arange(RAYS) * (2 * np.pi / RAYS)
     cos, sin = np.cos(azimuth), np.sin(azimuth)
     for _ in range(8):
-        radius = int(inner) + peaks(unwrap(plane, centre, inner, outer))
+        radius = int(inner) + peaks(unwrapping(plane, centre, inner, outer))
         u, v = centre[0] + radius * cos, centre[1] + radius * sin
         found = np.isfinite(u)
         moved = centroid(u[found], v[found])
