@@ -15,6 +15,7 @@ from calibore.calibration._in_situ._file import read_table
 from calibore.errors import CaliboreError, InputError, OutputError
 from calibore.images import Video
 from calibore.images._archive_metadata import read_metadata
+from calibore.lasers import Beam, Cone, Plane, Sheet
 from calibore.optics import Camera, Lens
 from calibore.rigs import measure, monte_carlo, read_rig, triangulate
 from calibore.scans import export, read_profile
@@ -190,6 +191,25 @@ def test_pixels_at_infinity_are_outside_without_a_word(kernel):
     far = measure(PLANE, [np.inf, -np.inf, 1e300, 3.0], [0.0, np.inf, -1e300, np.nan], u_pixel=0.1, kernel=kernel)
     assert (far.status != 0).all()
     assert np.isnan(far.radius).all()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda huge: Plane(0.15, huge),
+        lambda huge: Plane(huge),
+        lambda huge: Sheet(0.1, huge, 0.0),
+        lambda huge: Beam(0.1, 0.0, -huge, 0.3, 0.0),
+        lambda huge: Cone(0.0, 0.0, 0.7, 0.0, huge),
+        lambda huge: Lens("equidistant", huge, 240.0),
+        lambda huge: Lens("equidistant", 300.0, 240.0, c1=huge),
+    ],
+)
+def test_no_light_and_no_lens_has_numbers_whose_products_are_none(make):
+    make(0.2)
+    for huge in (1e308, -1e200, np.inf, np.nan):
+        with pytest.raises(InputError):
+            make(huge)
 
 
 @pytest.mark.parametrize(("key", "value"), [("principal_point", (-1e308, 3.0)), ("aspect", 1e-300), ("aspect", np.inf)])
