@@ -11,6 +11,7 @@ import numpy as np
 from fuzzing import _seeds
 from fuzzing._folders import OfFolders
 from fuzzing._numbers import Meetings, Stripes
+from fuzzing._rings import Rings
 
 DOCUMENT = "document.toml"
 
@@ -131,4 +132,5 @@ ENTRIES = {
     "results": OfFolders(_seeds.results, RESULTS, ("*",)),
     "stripes": Stripes(),
     "meetings": Meetings(),
+    "rings": Rings(),
 }

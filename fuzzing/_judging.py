@@ -34,7 +34,9 @@ def fault_of(work: Callable[[], object]) -> str | None:
             fault = _fault_of_sentence(error)
         except HangingError as error:
             fault = f"hangs\n{_places(error)}"
-        except (Exception, RecursionError) as error:
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException as error:  # a panic in Rust is no Exception
             fault = f"{type(error).__name__} at {_place(error)}: {str(error)[:300]}\n{_places(error)}"
     took = time.process_time() - start
     if fault is None and said:

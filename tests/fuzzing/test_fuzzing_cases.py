@@ -13,13 +13,11 @@ from PIL import Image
 
 from calibore.calibration._in_situ._file import read_table
 from calibore.errors import CaliboreError, InputError, OutputError
-from calibore.images import Video
+from calibore.images import NamePattern, Video
 from calibore.images._archive_metadata import read_metadata
-from calibore.lasers import Beam, Cone, Plane, Sheet
-from calibore.optics import Camera, Lens
-from calibore.rigs import measure, monte_carlo, read_rig, triangulate
-from calibore.scans import export, read_profile
-from calibore.simulation import random_rig
+from calibore.rigs import read_rig
+from calibore.scans import export, read_profile, read_scan
+from calibore.simulation import Overlay
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "v1"
 LIMIT = 1 << 22
@@ -150,69 +148,30 @@ def test_a_scattered_table_of_a_wall_gets_no_grid_of_its_rows_squared(tmp_path):
             read_table(tmp_path / "wall.csv")
 
 
-PLANE = random_rig(np.random.default_rng(1), 0.15).with_default_uncertainty(0.15)
-CALLS = {
-    "triangulate": lambda u, v, **how: triangulate(PLANE, u, v, **how),
-    "measure": lambda u, v, **how: measure(PLANE, u, v, u_pixel=0.1, **how),
-    "monte_carlo": lambda u, v, **how: monte_carlo(
-        PLANE, u, v, u_pixel=0.1, draws=9, rng=np.random.default_rng(1), **how
-    ),
-}
+SCAN = """format = "calibore-scan/1"
+name = "a"
+rig = "rig.toml"
+[pipe]
+nominal_radius = "6 in"
+[images]
+pattern = "PATTERN"
+[motion]
+axial = { origin = "0 in", step = "1 in" }
+"""
 
 
-@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS.keys())
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"laser": 1}, "none of number 1"),
-        ({"laser": -1}, "none of number -1"),
-        ({"branch": [0, 0, 7]}, "numbers 0 to 0"),
-        ({"prior_radius": 0.0}, "positive"),
-        ({"prior_radius": [0.1, 0.1, np.inf]}, "positive"),
-        ({"v": [1.0, 2.0]}, "as many u as v"),
-    ],
-)
-def test_what_cannot_be_asked_of_a_rig_is_told_in_a_sentence(call, arguments, said):
-    pixels = {"u": [200.0, 250.0, 300.0], "v": [100.0, 200.0, 300.0]}
-    with pytest.raises(InputError, match=said):
-        call(**(pixels | arguments))
+@pytest.mark.parametrize("pattern", ["{station:4294967296d}", "{station:03d} {take:<99999}", "{station.real}"])
+def test_no_pattern_of_names_fills_the_memory(tmp_path, pattern):
+    (tmp_path / "scan.toml").write_text(SCAN.replace("PATTERN", pattern), encoding="utf-8")
+    before = peak_memory()
+    with pytest.raises(InputError, match=r"images\.pattern"):
+        read_scan(tmp_path)
+    with pytest.raises(InputError, match=r"integer format|unknown field"):
+        NamePattern(pattern)
+    assert peak_memory() - before < 50_000_000  # it was 4 GB
 
 
-@pytest.mark.parametrize("kernel", ["native", "numpy"])
-def test_noise_and_probabilities_that_cannot_be_are_told_in_a_sentence(kernel):
-    for wrong in ({"u_pixel": -1.0}, {"u_pixel": np.inf}, {"probability": np.inf}, {"probability": 1.0}):
-        how = {"u_pixel": 0.1, "draws": 9, "rng": np.random.default_rng(1), "kernel": kernel} | wrong
-        with pytest.raises(InputError):
-            monte_carlo(PLANE, [200.0], [100.0], **how)
-
-
-@pytest.mark.parametrize("kernel", ["native", "numpy"])
-def test_pixels_at_infinity_are_outside_without_a_word(kernel):
-    far = measure(PLANE, [np.inf, -np.inf, 1e300, 3.0], [0.0, np.inf, -1e300, np.nan], u_pixel=0.1, kernel=kernel)
-    assert (far.status != 0).all()
-    assert np.isnan(far.radius).all()
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda huge: Plane(0.15, huge),
-        lambda huge: Plane(huge),
-        lambda huge: Sheet(0.1, huge, 0.0),
-        lambda huge: Beam(0.1, 0.0, -huge, 0.3, 0.0),
-        lambda huge: Cone(0.0, 0.0, 0.7, 0.0, huge),
-        lambda huge: Lens("equidistant", huge, 240.0),
-        lambda huge: Lens("equidistant", 300.0, 240.0, c1=huge),
-    ],
-)
-def test_no_light_and_no_lens_has_numbers_whose_products_are_none(make):
-    make(0.2)
-    for huge in (1e308, -1e200, np.inf, np.nan):
-        with pytest.raises(InputError):
-            make(huge)
-
-
-@pytest.mark.parametrize(("key", "value"), [("principal_point", (-1e308, 3.0)), ("aspect", 1e-300), ("aspect", np.inf)])
-def test_no_camera_has_its_principal_point_beyond_numbers(key, value):
-    with pytest.raises(InputError):
-        Camera(640, 480, Lens("equidistant", 300.0, 240.0), **({"principal_point": (320.0, 240.0)} | {key: value}))
+@pytest.mark.parametrize("text", ["{axial:4294967296f}", "{station[0]}", "{station.x}", "{depth}"])
+def test_no_overlay_fills_the_memory_or_looks_into_numbers(text):
+    with pytest.raises(InputError, match="may hold"):
+        Overlay(text)

@@ -59,9 +59,7 @@ class GrowingGroup:
 class _Array:
     """One array, cut into chunks along its growing dimension only."""
 
-    def __init__(
-        self, folder: Path, variable: Variable, *, growing: str, rows: int, sizes: Mapping[str, int]
-    ) -> None:
+    def __init__(self, folder: Path, variable: Variable, *, growing: str, rows: int, sizes: Mapping[str, int]) -> None:
         self._folder, self._variable = folder / variable.name, variable
         self._shape = [sizes.get(dimension, 0) for dimension in variable.dimensions]
         self._chunk = [max(size, 1) for size in self._shape]
