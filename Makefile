@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/ready
 NATIVE := native/Cargo.toml $(wildcard native/src/*.rs native/src/*/*.rs)
 
-.PHONY: demo test check bench clean
+.PHONY: demo test check bench fuzz clean
 
 demo: $(READY)
 	$(BIN)/calibore demo
@@ -14,13 +14,19 @@ test: $(READY)
 	$(BIN)/pytest -n 2 --dist loadfile
 
 check: $(READY)
-	$(BIN)/ruff check src tests benchmarks examples
-	$(BIN)/ruff format --check src tests benchmarks examples
+	$(BIN)/ruff check src tests benchmarks fuzzing examples
+	$(BIN)/ruff format --check src tests benchmarks fuzzing examples
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 
 bench: $(READY)
+	$(BIN)/python -m pip install --quiet --editable ".[peers]"
 	$(BIN)/python -m benchmarks
+
+# Ten minutes of the processor for each of the entries; make fuzz MINUTES=1 ENTRIES="png tables"
+MINUTES ?= 10
+fuzz: $(READY)
+	$(BIN)/python -m fuzzing --minutes $(MINUTES) $(ENTRIES)
 
 $(READY): pyproject.toml $(NATIVE)
 	$(PYTHON) -m venv $(VENV)
@@ -29,4 +35,4 @@ $(READY): pyproject.toml $(NATIVE)
 	touch $(READY)
 
 clean:
-	rm -rf $(VENV) native/target build dist
+	rm -rf $(VENV) native/target native/fuzz/target build dist

@@ -1,8 +1,6 @@
 """`python -m benchmarks`: all speed tables as Markdown, on standard output and in benchmarks/out/report.md.
 
-`python -m benchmarks coverage`, `ovality`, `every_rig`, `pictures`, `calibration`, `change` and `change_pictures` run
-the long accuracy studies instead (minutes each), `cluster` two Dask workers against one,
-`archive` pictures from archives against PNG files, `real_time` films and archives against ten times the densest system.
+`python -m benchmarks NAME [ARGUMENTS]` makes one table of `PARTS`; docs/how-to/benchmark.md says how to read them.
 """
 
 import os
@@ -10,74 +8,67 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import platform
 import subprocess
 import sys
-from importlib.metadata import version
+from importlib import import_module
 from pathlib import Path
+from typing import NamedTuple
 
-PACKAGES = ("calibore", "numpy", "opencv-python-headless", "uncertainties")
-PARTS = ("kernel", "side_facing", "triangulation", "end_to_end_one", "end_to_end_two", "decode", "startup")
+
+class Part(NamedTuple):
+    """A table: `function` of a module here; on one core; in the report, or a study of minutes that is asked for."""
+
+    function: str
+    arguments: tuple[object, ...] = ()
+    pinned: bool = False
+    in_report: bool = False
+
+
+PARTS = {
+    "kernel": Part("kernel.report", pinned=True, in_report=True),
+    "kernel_peers": Part("kernel_peers.rings", pinned=True, in_report=True),
+    "side_facing": Part("side_facing.report", pinned=True, in_report=True),
+    "side_facing_peers": Part("kernel_peers.rows", pinned=True, in_report=True),
+    "triangulation": Part("triangulation.report", in_report=True),
+    "end_to_end_one": Part("end_to_end.report", (1,), pinned=True, in_report=True),
+    "end_to_end_two": Part("end_to_end.report", (2,), in_report=True),
+    "decode": Part("end_to_end.decoding", pinned=True, in_report=True),
+    "startup": Part("startup.report", in_report=True),
+    "archive": Part("archive.report", pinned=True),
+    "calibration": Part("calibration.report"),
+    "change": Part("change.report"),
+    "change_pictures": Part("change_pictures.report"),
+    "cluster": Part("cluster.report"),
+    "coverage": Part("studies.coverage"),
+    "every_rig": Part("every_rig.report"),
+    "line_choice": Part("line_choice.report"),
+    "ovality": Part("studies.ovality"),
+    "pictures": Part("every_rig.pictures"),
+    "prediction": Part("prediction.report"),
+    "real_time": Part("real_time.report"),
+}
 
 
 def part(name: str, *rest: str) -> list[str]:
     """One table, in a process of its own so that pinning and threads do not leak."""
-    from benchmarks import (
-        archive,
-        calibration,
-        change,
-        change_pictures,
-        cluster,
-        end_to_end,
-        every_rig,
-        kernel,
-        line_choice,
-        prediction,
-        real_time,
-        side_facing,
-        startup,
-        studies,
-        timing,
-        triangulation,
-    )
+    from benchmarks import timing
 
-    if name in ("kernel", "side_facing", "end_to_end_one", "decode", "archive"):
+    chosen = PARTS[name]
+    if chosen.pinned:
         timing.pin_to_one_core()
-    tables = {
-        "archive": archive.report,
-        "kernel": kernel.report,
-        "side_facing": side_facing.report,
-        "end_to_end_one": lambda: end_to_end.report(1),
-        "end_to_end_two": lambda: end_to_end.report(2),
-        "decode": end_to_end.decoding,
-        "startup": startup.report,
-        "triangulation": triangulation.report,
-        "calibration": lambda: calibration.report(*rest),
-        "change": lambda: change.report(*rest),
-        "change_pictures": lambda: change_pictures.report(*rest),
-        "cluster": cluster.report,
-        "coverage": studies.coverage,
-        "ovality": studies.ovality,
-        "every_rig": every_rig.report,
-        "pictures": every_rig.pictures,
-        "real_time": real_time.report,
-        "line_choice": lambda: line_choice.report(*rest),
-        "prediction": lambda: prediction.report(*rest),
-    }
-    return tables[name]()
+    module, function = chosen.function.split(".")
+    return getattr(import_module(f"benchmarks.{module}"), function)(*chosen.arguments, *rest)
 
 
 def main() -> None:
-    """Run every part, or the one named."""
+    """Run every part of the report, or the one named."""
     if len(sys.argv) > 1:
         print("\n".join(part(*sys.argv[1:])))
         return
-    load = f"{os.getloadavg()[0]:.2f}" if hasattr(os, "getloadavg") else "unknown"
-    machine = (
-        f"{platform.machine()}, {os.cpu_count()} cores, load {load} at the start, Python {platform.python_version()}"
-    )
-    lines = ["# Benchmarks", f"{machine}; " + ", ".join(f"{name} {version(name)}" for name in PACKAGES), ""]
-    for name in PARTS:
+    from benchmarks.machine import machine
+
+    lines = ["# Benchmarks", "", *machine()]
+    for name in (name for name, one in PARTS.items() if one.in_report):
         run = subprocess.run([sys.executable, "-m", "benchmarks", name], check=True, capture_output=True, text=True)
         lines += [run.stdout]
     out = Path(__file__).parent / "out" / "report.md"

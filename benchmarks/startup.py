@@ -1,27 +1,42 @@
 """What a user waits for before anything happens."""
 
+import importlib.util
 import subprocess
 import sys
-import time
+from functools import partial
 
 import numpy as np
 
+from benchmarks.timing import compare
+
+REFERENCE = "python -c 'import numpy'"
 COMMANDS = {
     "calibore --help": ["-m", "calibore", "--help"],
     "calibore profile --help": ["-m", "calibore", "profile", "--help"],
-    "python -c 'import numpy'": ["-c", "import numpy"],
+    REFERENCE: ["-c", "import numpy"],
     "python -c 'import numpy, calibore'": ["-c", "import numpy, calibore"],
     "python -c 'import numpy, calibore.stripe'": ["-c", "import numpy, calibore.stripe"],
+}
+PEERS = {
+    "cv2": "import cv2",
+    "scipy": "from scipy.ndimage import map_coordinates",
+    "skimage": "from skimage.transform import warp_polar",
+    "numba": "import numba",
+}
+COMMANDS |= {
+    f"python -c 'import numpy; {statement}'": ["-c", f"import numpy; {statement}"]
+    for package, statement in PEERS.items()
+    if importlib.util.find_spec(package)
 }
 
 
 def report(rounds: int = 15) -> list[str]:
-    """Markdown lines: seconds of whole processes."""
-    seconds = {name: [] for name in COMMANDS}
-    for _ in range(rounds):
-        for name, arguments in COMMANDS.items():
-            start = time.perf_counter()
-            subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
-            seconds[name].append(time.perf_counter() - start)
-    lines = ["## Start-up, whole processes", "| command | median s | least s | most s |", "|---|---|---|---|"]
-    return lines + [f"| `{n}` | {np.median(s):.3f} | {min(s):.3f} | {max(s):.3f} |" for n, s in seconds.items()]
+    """Markdown lines: whole processes, by the wall's clock."""
+    contestants = {f"`{name}`": partial(_run, arguments) for name, arguments in COMMANDS.items()}
+    result = compare(contestants, peer=f"`{REFERENCE}`", rounds=rounds, rng=np.random.default_rng(1))
+    head = ["| command | median ms | import of NumPy / command (95 %) |", "|---|---|---|"]
+    return ["## Start-up, whole processes", *head, *result.rows()]
+
+
+def _run(arguments: list[str]) -> None:
+    subprocess.run([sys.executable, *arguments], check=True, capture_output=True)

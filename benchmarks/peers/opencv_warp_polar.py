@@ -67,6 +67,7 @@ def ring(
     outer: float,
     band: int,
     peaks=parabola_peaks,
+    unwrapping=unwrap,
     most: int = 8,
 ):
     """(u, v) of the ring, NaN where not found; `image` (h, w, 3), unwrapped `most` times at most: once is enough for
@@ -76,7 +77,7 @@ def ring(
     azimuth = np.arange(RAYS) * (2 * np.pi / RAYS)
     cos, sin = np.cos(azimuth), np.sin(azimuth)
     for _ in range(most):
-        radius = int(inner) + peaks(unwrap(plane, centre, inner, outer))
+        radius = int(inner) + peaks(unwrapping(plane, centre, inner, outer))
         u, v = centre[0] + radius * cos, centre[1] + radius * sin
         found = np.isfinite(u)
         moved = centroid(u[found], v[found])

@@ -2,6 +2,8 @@
 //! stated amount of memory. Alpha is dropped; orientation tags, gamma and colour profiles are ignored, for pixels are measurements here.
 
 mod bmp;
+#[cfg(fuzzing)]
+pub mod entries;
 mod jpeg;
 mod lying;
 mod picture;
@@ -13,6 +15,7 @@ mod pnm;
 mod samples;
 mod scratch;
 mod tiff;
+mod tiff_directory;
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
@@ -32,6 +35,9 @@ const LIMIT: usize = 1_000_000_000;
 
 /// Longest signature looked at.
 const SIGNATURE: usize = 8;
+
+/// Characters of a reason that people still read.
+const LONGEST_REASON: usize = 200;
 
 /// Why data is not a usable image: the middle of a sentence.
 type Decoded<T> = Result<T, String>;
@@ -73,7 +79,16 @@ fn checked_bytes(width: usize, height: usize, bytes_per_pixel: usize, limit: usi
 
 /// A panic in a decoder is a defect of the decoder, met on data it did not expect: an error like any other.
 fn guarded<T>(work: impl FnOnce() -> Decoded<T>) -> Decoded<T> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err("its data are corrupt (the decoder gave up)".into()))
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err("its data are corrupt (the decoder gave up)".into())).map_err(readable)
+}
+
+/// Decoders repeat what a file says, which may be long and no text.
+fn readable(why: String) -> String {
+    let mut kept: String = why.chars().take(LONGEST_REASON).map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    if kept.len() < why.len() {
+        kept += "...";
+    }
+    kept
 }
 
 fn decode(data: &[u8], limit: usize) -> Decoded<Image> {

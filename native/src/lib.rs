@@ -7,6 +7,12 @@ mod meeting;
 mod rings;
 mod stripe;
 
+/// What `native/fuzz` calls: the entries of Python's functions, below Python.
+#[cfg(fuzzing)]
+pub mod entries {
+    pub use crate::{decode::entries as decode, meeting::entries as meeting, stripe::entries as stripe};
+}
+
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

@@ -5,6 +5,8 @@ mod cone;
 pub mod dispatch;
 mod drawing;
 mod draws;
+#[cfg(fuzzing)]
+pub mod entries;
 mod flat;
 mod functions;
 mod intervals;

@@ -9,6 +9,8 @@ mod centre;
 mod chain;
 mod choice;
 mod describe;
+#[cfg(fuzzing)]
+pub mod entries;
 mod features;
 mod fit;
 mod guide;

@@ -1,7 +1,9 @@
 """TOML documents checked against a pydantic model: a mistake is named with file, key and what is allowed."""
 
+import re
 import tomllib
 from pathlib import Path
+from string import Formatter
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
@@ -33,6 +35,16 @@ Length = Annotated[float, _quantity("length")]
 Angle = Annotated[float, _quantity("angle")]
 
 Model = TypeVar("Model", bound=BaseModel)
+_WIDE = re.compile(r"\d{4,}")
+"""The width or precision of a field, in characters: memory is set aside for them."""
+
+
+def filled(pattern: str, **values: object) -> str:
+    """`pattern.format(**values)` of a pattern that stands in a file; ValueError or LookupError where it cannot be."""
+    for _, _, form, _ in Formatter().parse(pattern):
+        if _WIDE.search(form or ""):
+            raise ValueError(f'a field of the form "{form}" is wider than any name')
+    return pattern.format(**values)
 
 
 def read_document(path: Path, model: type[Model]) -> Model:
@@ -50,6 +62,14 @@ def read_document(path: Path, model: type[Model]) -> Model:
         ) from error
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is not valid TOML: {error}. Correct that line.") from error
+    except RecursionError as error:
+        raise InputError(
+            f"{path} cannot be read: its tables or lists are nested too deeply; make them flat."
+        ) from error
+    except ValueError as error:
+        raise InputError(
+            f"{path} cannot be read: it holds an impossible number or date ({error}); correct it."
+        ) from error
     return validate(data, model, path=path)
 
 

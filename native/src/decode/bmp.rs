@@ -52,9 +52,9 @@ fn header(data: &[u8]) -> Decoded<Header> {
     Ok(Header { width: width as usize, height, top_down, bits, compression, length, pixels_at, colours })
 }
 
-pub fn size(mut source: impl Read + Seek) -> Decoded<(usize, usize)> {
-    let mut start = [0; FILE_HEADER + INFO_HEADER];
-    source.read_exact(&mut start).map_err(|_| TRUNCATED)?;
+pub fn size(source: impl Read + Seek) -> Decoded<(usize, usize)> {
+    let mut start = Vec::new();
+    source.take((FILE_HEADER + INFO_HEADER) as u64).read_to_end(&mut start).map_err(|_| TRUNCATED)?;
     let header = header(&start)?;
     Ok((header.width, header.height))
 }

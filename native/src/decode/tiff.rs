@@ -8,7 +8,7 @@ use ::tiff::{ColorType, TiffError};
 
 use super::lying::Lying;
 use super::samples::{unpacked, Image, Samples};
-use super::{checked_bytes, Decoded, TOO_LARGE, TRUNCATED};
+use super::{checked_bytes, tiff_directory, Decoded, LIMIT, TOO_LARGE, TRUNCATED};
 
 fn refusal(error: TiffError) -> String {
     match error {
@@ -23,14 +23,15 @@ fn dimensions<R: BufRead + Seek>(decoder: &mut Decoder<R>) -> Decoded<(usize, us
     Ok((width as usize, height as usize))
 }
 
-fn opened<R: BufRead + Seek>(source: R, limit: usize) -> Decoded<Decoder<R>> {
+fn opened<R: BufRead + Seek>(mut source: R, limit: usize) -> Decoded<Decoder<R>> {
+    tiff_directory::check(&mut source, limit)?;
     let mut limits = Limits::default();
     (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (limit, limit);
     Ok(Decoder::new(source).map_err(refusal)?.with_limits(limits))
 }
 
 pub fn size(source: impl BufRead + Seek) -> Decoded<(usize, usize)> {
-    dimensions(&mut opened(source, 0)?)
+    dimensions(&mut opened(source, LIMIT)?)
 }
 
 /// Where the pixels lie if they are uncompressed grey or colour of 8 or 16 bit in strips one after the other; none where they are not, or

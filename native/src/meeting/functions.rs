@@ -69,7 +69,7 @@ pub fn sin_cos(angle: Lanes) -> (Lanes, Lanes) {
     let cosine = (z * z).fused(series(z, COSINE), z.fused(Lanes::all(-0.5), Lanes::ONE));
     let (s, c) = (odd.choose(cosine, sine), odd.choose(sine, cosine));
     let sign_of_sine = |k: usize| (shifted.0[k].to_bits() & 2) << 62;
-    let sign_of_cosine = |k: usize| ((shifted.0[k].to_bits() + 1) & 2) << 62;
+    let sign_of_cosine = |k: usize| (shifted.0[k].to_bits().wrapping_add(1) & 2) << 62;
     (
         each!(Lanes, 0.0, |k| f64::from_bits(s.0[k].to_bits() ^ sign_of_sine(k))),
         each!(Lanes, 0.0, |k| f64::from_bits(c.0[k].to_bits() ^ sign_of_cosine(k))),

@@ -73,10 +73,12 @@ def read_evidence(folder: Path) -> Observations:
                 raise InputError(f"{folder} is no evidence of a calibration; put back what `calibore calibrate` wrote.")
             arrays = {str(name): store[name].to_numpy() for name in store.data_vars}
             plain = {name: store.attrs[name] for name in PLAIN if name in store.attrs}
-    except (OSError, ValueError, KeyError) as error:
+        plain["names"] = tuple(plain["names"])
+        return Observations(**arrays, **plain)
+    except InputError:
+        raise
+    except Exception as error:  # zarr, xarray and the codecs raise what they like on a damaged store
         raise InputError(f"{folder} cannot be read ({error}); put back what `calibore calibrate` wrote.") from error
-    plain["names"] = tuple(plain["names"])
-    return Observations(**arrays, **plain)
 
 
 def of_fit(fit: Fit) -> dict[str, Any]:

@@ -120,7 +120,7 @@ def read_metadata(store: Path) -> Contents:
         found = [None if code == REFUSED else forms[code] for code in codes]
     except FileNotFoundError as error:
         raise InputError(f'"{store}" is no archive of pictures; name one that calibore import has made.') from error
-    except (OSError, ValueError, LookupError, TypeError) as error:
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         why = str(error).split("\n")[0].rstrip(".") or type(error).__name__
         raise InputError(
             f'Archive "{store}" is damaged: what lists its pictures cannot be read ({why}); restore it from a copy, or '

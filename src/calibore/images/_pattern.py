@@ -11,7 +11,7 @@ FIELDS = ("station", "angular", "take")
 """Fields of a pattern; `station` must be there, the others are 0 where absent."""
 
 _SPEC = re.compile(
-    r"(?:(?P<fill>[^{}/])?(?P<align>[<>=^]))?(?P<sign>[-+ ])?(?P<base_prefix>#)?(?P<zero>0)?(?P<width>\d+)?"
+    r"(?:(?P<fill>[^{}/])?(?P<align>[<>=^]))?(?P<sign>[-+ ])?(?P<base_prefix>#)?(?P<zero>0)?(?P<width>\d{1,3})?"
     r"(?P<group>[_,])?(?P<type>[bdoxX])?"
 )
 _LARGEST = 2**63  # stations are stored as 64 bit numbers

@@ -110,7 +110,7 @@ def _opened(path: Path) -> tuple[Any, Any]:
     try:
         if not path.is_file():  # PyAV would take the text for an address
             raise InputError(f'Video "{path}" does not exist; give the path of an existing file.')
-        container = av.open(str(path), options={"protocol_whitelist": "file"})
+        container = av.open(str(path), options={"protocol_whitelist": "file"}, metadata_errors="replace")
     except (FFmpegError, OSError) as error:
         raise InputError(f'Video "{path}" cannot be read ({error.strerror}); give a readable video file.') from error
     stream = next(iter(container.streams.video), None)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import InputError
 from calibore.lasers._flat import FlatSurface
+from calibore.lasers._possible import possible
 from calibore.lasers._surface import MeetingFlag, Meetings
 
 NEAREST_TO_PUPIL = 1e-6  # m; a beam that passes closer lies along one camera ray, where no pixel tells the distance
@@ -31,7 +32,7 @@ class Beam(FlatSurface):
 
     def __post_init__(self) -> None:
         given = [self.x, self.y, self.z, self.zenith, self.clock]
-        if not np.isfinite(given).all():
+        if not possible(given):
             raise InputError(f"A beam's point [m] and angles [rad] are finite, got {given}; give all five as numbers.")
         if self.level < NEAREST_TO_PUPIL:
             raise InputError(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from calibore.errors import InputError
 from calibore.lasers._cone_frontier import FOLDS, SECOND_ORDER, frontiers_of_cone
 from calibore.lasers._cone_meetings import meetings_with_cone
+from calibore.lasers._possible import MOST, possible
 from calibore.lasers._ring_angles import ring_angles
 from calibore.lasers._surface import Frontier, LaserSurface, Meetings
 
@@ -106,12 +107,12 @@ class Cone(LaserSurface):
         return np.array([np.cos(self.clock), np.sin(self.clock), 0.0])
 
     def _refuse_lengths(self) -> None:
-        if not 0 <= self.baseline < np.inf:
+        if not 0 <= self.baseline <= MOST:
             raise InputError(
                 f"The baseline of a cone must be 0 (coaxial) or positive, got {self.baseline} m; "
                 "turn the clock by 180 deg instead."
             )
-        if not np.isfinite([self.clock, self.offset]).all():
+        if not possible([self.clock, self.offset]):
             raise InputError(
                 f"Clock and offset are finite, got {self.clock} rad and {self.offset} m; leave out what is 0."
             )

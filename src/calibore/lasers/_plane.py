@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import InputError
 from calibore.lasers._flat import FlatSurface
+from calibore.lasers._possible import MOST, possible
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,11 @@ class Plane(FlatSurface):
     parameter_names: ClassVar[tuple[str, ...]] = ("baseline", "tilt_x", "tilt_y")
 
     def __post_init__(self) -> None:
-        if not 0 < self.baseline < np.inf:
+        if not 0 < self.baseline <= MOST:
             raise InputError(
                 f"The baseline must be positive, got {self.baseline} m; the laser plane stands ahead of the camera."
             )
-        if not np.isfinite([self.tilt_x, self.tilt_y]).all():
+        if not possible([self.tilt_x, self.tilt_y]):
             raise InputError(f"Tilts are finite slopes, got {self.tilt_x} and {self.tilt_y}; 0 means perpendicular.")
 
     @property

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import InputError
 from calibore.lasers._flat import FlatSurface
+from calibore.lasers._possible import possible
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Sheet(FlatSurface):
     parameter_names: ClassVar[tuple[str, ...]] = ("offset", "skew", "lean")
 
     def __post_init__(self) -> None:
-        if not np.isfinite([self.offset, self.skew, self.lean]).all():
+        if not possible([self.offset, self.skew, self.lean]):
             raise InputError(
                 f"A sheet's offset, skew and lean are finite, got {self.offset} m, {self.skew} and {self.lean}; "
                 "0 means through the rotation axis."

@@ -16,7 +16,7 @@ from calibore.errors import InputError
 from calibore.metrics import _definitions as definitions
 from calibore.metrics._engine import DEFAULT_KERNEL, findings_of
 from calibore.metrics._findings import Findings
-from calibore.metrics._shape import RingShape
+from calibore.metrics._shape import MOST, RingShape
 from calibore.metrics._sizes import EXTREMES, OVALITIES
 from calibore.uncertainty import Quantity
 
@@ -86,7 +86,7 @@ def ring_quantities(
     for each definition, the module for the bias correction. `kernel` "numpy" runs the twin of the compiled one. Raises
     InputError for an impossible nominal radius or roll.
     """
-    if not (np.isfinite(nominal_radius) and nominal_radius > 0):
+    if not 1 / MOST <= nominal_radius <= MOST:
         raise InputError(f"nominal_radius must be a positive length in m, got {nominal_radius:g}.")
     if not np.isfinite(roll):
         raise InputError(f"roll must be a finite angle in rad, got {roll:g}; give 0 where it is not known.")

@@ -9,6 +9,7 @@ from calibore.errors import InputError
 
 Array = NDArray[np.float64]
 
+MOST = 1e6  # [m] beyond any pipe, and its square is still a number
 LEAST_POWER = 0.02  # 1 + 2 sum of the autocorrelation
 
 
@@ -58,12 +59,13 @@ class RingShape:
         measured = self.measured
         if not (np.isfinite(self.clock).all() and (np.diff(self.clock) > 0).all() and np.ptp(self.clock) < 2 * np.pi):
             raise InputError("clock of a ring must increase and stay within one turn (2 pi rad); sort the points.")
-        if np.isinf(self.radius).any() or (self.radius[measured] <= 0).any():
-            raise InputError("radius must be positive [m], or NaN where nothing was measured.")
+        radius = self.radius[measured]
+        if np.isinf(self.radius).any() or not ((radius >= 1 / MOST) & (radius <= MOST)).all():
+            raise InputError("radius must be positive and that of a pipe [m], or NaN where nothing was measured.")
         sigma = self.u_independent[measured]
-        if not (np.isfinite(sigma).all() and (sigma >= 0).all()):
+        if not ((sigma >= 0) & (sigma <= MOST)).all():
             raise InputError("u_independent must be finite and not negative [m] wherever radius is measured.")
-        if not np.isfinite(self.common_mode[:, measured]).all():
+        if not (np.abs(self.common_mode[:, measured]) <= MOST).all():
             raise InputError("common_mode must be finite [m] wherever radius is measured.")
         if not (np.abs(self.correlation) <= 1).all():
             raise InputError("correlation must lie between -1 and 1 at every lag.")

@@ -18,6 +18,7 @@ from calibore.optics._projection import Projection, project_with_sensitivities
 from calibore.optics._pupil import Pupil
 from calibore.optics._rays import Rays, RaysWithSensitivities
 
+FARTHEST = 1e6  # [px] a principal point; and an aspect: beyond any camera, and its square is still a number
 WIDEST_WALK = 1.0  # [m]; more is millimetres given as metres
 
 
@@ -40,9 +41,11 @@ class Camera:
     def __post_init__(self) -> None:
         if self.width < 1 or self.height < 1:
             raise InputError(f"An image must be at least 1 x 1 px, got {self.width} x {self.height} px.")
-        if not np.isfinite(self.principal_point).all():
-            raise InputError(f"The principal point must be finite pixels (u, v), got {self.principal_point}.")
-        if not 0 < self.aspect < np.inf:
+        if not (np.abs(self.principal_point) <= FARTHEST).all():
+            raise InputError(
+                f"The principal point must be finite pixels (u, v) near the image, got {self.principal_point}."
+            )
+        if not 1 / FARTHEST <= self.aspect <= FARTHEST:
             raise InputError(f"Pixel aspect must be positive, got {self.aspect}; 1 means square pixels.")
         if not all(abs(coefficient) <= WIDEST_WALK for coefficient in self.pupil_walk):
             raise InputError(

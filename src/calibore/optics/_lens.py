@@ -11,6 +11,9 @@ from calibore.errors import InputError
 from calibore.optics._laws import LENS_LAWS, LENS_NAMES, LensLaw, polynomial_law
 from calibore.optics._odd_polynomial import OddPolynomial
 
+LARGEST = 1e9
+"""px, or a coefficient; beyond any lens, and products are still numbers."""
+
 
 @dataclass(frozen=True)
 class Lens:
@@ -35,9 +38,9 @@ class Lens:
                 'Coefficients "polynomial" = [p3, p5, ...] belong to the lens law "polynomial", and to it only.'
             )
         for name in ("k", "half_height"):
-            if not 0 < getattr(self, name) < np.inf:
+            if not 1 / LARGEST <= getattr(self, name) <= LARGEST:
                 raise InputError(f"Lens {name} must be positive, got {getattr(self, name)} px; give it in pixels.")
-        if not np.isfinite([self.c1, self.c2, *self.polynomial]).all():
+        if not (np.abs([self.c1, self.c2, *self.polynomial]) <= LARGEST).all():
             raise InputError(
                 "Lens c1, c2 and polynomial coefficients must be finite; leave them out for an ideal lens."
             )

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from calibore.errors import InputError
 from calibore.rigs import _engine as native
+from calibore.rigs._arguments import check_choice, check_noise, pixels_of
 from calibore.rigs._measuring import choice_of
 from calibore.rigs._moving import moved
 from calibore.rigs._rig import Rig
@@ -93,10 +94,12 @@ def monte_carlo(
     counts without noise. A draw is lost where there is no meeting ahead; a grazing one counts. `probability` None
     leaves intervals and median out. The same `rng` gives the same bytes, whatever the `threads`.
     """
-    u, v = (np.ascontiguousarray(np.atleast_1d(np.asarray(a, dtype=float))) for a in (u, v))
+    check_choice(rig, laser, prior_radius, branch)
+    u, v = (np.ascontiguousarray(a, dtype=float) for a in np.broadcast_arrays(*pixels_of(u, v)))
     if draws < FEWEST:
         raise InputError(f"Monte Carlo needs at least {FEWEST} draws, got {draws}; some 10 000 tell u within 1 %.")
     pixels = Pixels(u, v, native.each(u_pixel, u.size, what="u_pixel"), native.columns(direction, u.size))
+    check_noise(pixels.noise, probability)
     branches = _branches(rig, u, v, laser=laser, prior_radius=prior_radius, branch=branch)
     covariance = rig.covariance or Covariance.independent({})
     seed, shifts = int(rng.integers(2**63)), covariance.draw(rng, draws)

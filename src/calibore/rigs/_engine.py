@@ -26,6 +26,7 @@ SURFACES: tuple[type[LaserSurface], ...] = (Plane, Cone, Sheet, Beam)
 LAWS = ("perspective", "stereographic", "equidistant", "sine-law", "equisolid-angle")
 CAMERA = tuple(f"camera.{name}" for name in ("k", "c1", "c2", "aspect", "principal_point_u", "principal_point_v"))
 SURFACE_NUMBERS, MOUNT_NUMBERS = 7, 2
+LONGEST_DIRECTION = 1e9
 
 
 class Make(NamedTuple):
@@ -143,6 +144,6 @@ def columns(direction: ArrayLike | None, n: int) -> tuple[Array, Array] | None:
     if direction is None:
         return None
     direction = np.asarray(direction, dtype=float)
-    if direction.shape != (n, 2):
-        raise InputError(f"The direction of the noise needs shape ({n}, 2), got {direction.shape}; give (du, dv).")
+    if direction.shape != (n, 2) or (np.abs(direction) > LONGEST_DIRECTION).any():
+        raise InputError(f"The direction of the noise needs {n} unit vectors (du, dv), got shape {direction.shape}.")
     return np.ascontiguousarray(direction[:, 0]), np.ascontiguousarray(direction[:, 1])

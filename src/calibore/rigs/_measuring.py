@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from calibore.errors import InputError
 from calibore.lasers import Cone
 from calibore.rigs import _engine as native
+from calibore.rigs._arguments import check_choice, check_noise, pixels_of
 from calibore.rigs._rig import Rig
 from calibore.rigs._triangulation import Sensitivities, triangulate
 from calibore.uncertainty import Covariance, propagate
@@ -63,8 +64,10 @@ def measure(
     where none is given. `prior_radius`, `branch`: see `triangulate`. `threads`: all cores where None. Lenses and mounts
     that the compiled engine does not know are computed in NumPy.
     """
-    u, v = (np.ascontiguousarray(np.atleast_1d(np.asarray(a, dtype=float))) for a in (u, v))
+    check_choice(rig, laser, prior_radius, branch)
+    u, v = (np.ascontiguousarray(a, dtype=float) for a in np.broadcast_arrays(*pixels_of(u, v)))
     noise, directions = native.each(u_pixel, u.size, what="u_pixel"), native.columns(direction, u.size)
+    check_noise(noise)
     if not native.is_native(kernel, rig, laser):
         return _by_numpy(rig, u, v, noise, directions, laser=laser, prior_radius=prior_radius, branch=branch)
     choice = choice_of(rig, u.size, laser=laser, prior_radius=prior_radius, branch=branch)

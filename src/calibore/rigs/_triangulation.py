@@ -11,6 +11,7 @@ from calibore.errors import InputError
 from calibore.geometry import clock_of
 from calibore.lasers import MeetingFlag
 from calibore.optics import RaysWithSensitivities
+from calibore.rigs._arguments import check_choice, pixels_of
 from calibore.rigs._candidates import Candidates, candidates_along, nearest_branch
 from calibore.rigs._rig import Rig
 from calibore.status import Status
@@ -97,7 +98,8 @@ def triangulate(
     dX = do + d du + u dd, dd = -(grad F . (do + d du) + F_q dq) / (grad F . u).
     NaN pixels come back as NO_PEAK, other unusable ones as OUTSIDE_LENS, GRAZING or BEHIND.
     """
-    u, v = np.atleast_1d(np.asarray(u) * 1.0), np.atleast_1d(np.asarray(v) * 1.0)
+    check_choice(rig, laser, prior_radius, branch)
+    u, v = pixels_of(u, v)
     rays = rig.mount.place_with_sensitivities(rig.camera.unproject_with_sensitivities(u, v))
     candidates = candidates_along(rays, rig.lasers[laser].surface)
     branch = _branch(candidates, prior_radius, branch)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from calibore.errors import InputError
+from calibore.errors import InputError, OutputError
 from calibore.scans import _point_clouds
 from calibore.scans._layout import POINTS_VARIABLES, STATIONS_PER_CHUNK
 from calibore.scans._lock import locked
-from calibore.scans._results import open_group
+from calibore.scans._results import damage_told, open_group
 from calibore.scans._staging import EXPORT_NAMES, told_as_output_error
 from calibore.units import parse_quantity
 
@@ -35,7 +35,9 @@ def export(out: Path | str, format: str, destination: Path | str, *, length_unit
     scale = parse_quantity(f"1 {length_unit}", "length")
     store, write = _WRITERS[format]
     group = open_group(out, store)
-    with told_as_output_error(destination):
+    if destination.exists() and not destination.is_file():  # a device would be replaced
+        raise OutputError(f"{destination} cannot be written: it is no file; give the name of a new one.")
+    with told_as_output_error(destination), damage_told(out / f"{store}.zarr"):
         destination.parent.mkdir(parents=True, exist_ok=True)
         with locked(destination):
             _write_aside(destination, lambda partial: write(group, partial, scale))

@@ -5,13 +5,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import InputError
-from calibore.scans._results import open_profile
+from calibore.scans._results import damage_told, open_profile
 from calibore.status import has_value
+
+if TYPE_CHECKING:
+    import xarray
 
 Array = NDArray[np.float64]
 
@@ -114,6 +118,13 @@ def _of_each_place(profile: Profile, apart: float) -> NDArray[np.intp]:
 def read_profile(out: Path | str) -> Profile:
     """The profile of the result folder `out`; rings without any radius are left out. Raises InputError."""
     stored = open_profile(out)
+    if "noise_correlation" not in stored:
+        raise InputError(f"{out} was written by an early version, without noise_correlation; run the profile again.")
+    with damage_told(Path(out) / "profile.zarr"):
+        return _read(stored, out)
+
+
+def _read(stored: "xarray.Dataset", out: Path | str) -> Profile:
     columns = {
         name: np.asarray(stored[name], dtype=float)
         for name in ("axial", "clock", "radius", "axial_position", "u_independent", "common_mode", "noise_correlation")

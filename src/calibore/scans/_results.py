@@ -1,16 +1,22 @@
 """Opening what `ResultWriter` wrote."""
 
 import csv
-from contextlib import suppress
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from calibore.errors import InputError
+from calibore.errors import CaliboreError, InputError
 
 if TYPE_CHECKING:
     import xarray
+
+
+LONGEST_REASON = 160
+"""Characters of what a codec says."""
 
 
 def open_profile(out: Path | str) -> "xarray.Dataset":
@@ -48,10 +54,8 @@ def open_group(out: Path, name: str) -> Any:
     import zarr
 
     path = part_of(out, f"{name}.zarr")
-    try:
+    with damage_told(path):
         group = zarr.open_group(path, mode="r")
-    except Exception as error:  # zarr raises whatever its JSON and codecs raise on a damaged store
-        raise InputError(f"{path} cannot be read ({error}); run the profile again.") from error
     found = group.attrs.get("format")
     if found != f"calibore-{name}/1":
         raise InputError(
@@ -61,11 +65,28 @@ def open_group(out: Path, name: str) -> Any:
     return group
 
 
+@contextmanager
+def damage_told(path: Path) -> Iterator[None]:
+    """Whatever zarr, xarray and the codecs raise on a damaged store becomes one sentence."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a codec that is not known, in words for programmers
+            yield
+    except (CaliboreError, OSError):
+        raise
+    except Exception as error:
+        why = " ".join(str(error).split())[:LONGEST_REASON].rstrip(".") or type(error).__name__
+        raise InputError(
+            f"{path} cannot be read, it is damaged ({why}); restore a copy, or run the profile again."
+        ) from error
+
+
 def _open(out: Path, name: str) -> "xarray.Dataset":
     import xarray
 
     open_group(out, name)
-    return xarray.open_zarr(out / f"{name}.zarr", chunks=None, consolidated=True)
+    with damage_told(out / f"{name}.zarr"):
+        return xarray.open_zarr(out / f"{name}.zarr", chunks=None, consolidated=True)
 
 
 def _column(cells: list[str]) -> np.ndarray:

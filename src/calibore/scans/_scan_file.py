@@ -10,7 +10,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BeforeValidator, Field, Strict
 
-from calibore.documents import Angle, Document, Length, read_document
+from calibore.documents import Angle, Document, Length, filled, read_document
 from calibore.errors import InputError
 from calibore.scans._scan import AngularMotion, AxialMotion, ScanSpec, TactileTables, without_password
 
@@ -178,7 +178,7 @@ def _check_pattern(pattern: str, motion: _Motion, toml: Path) -> None:
         fields = _fields(pattern)
         unknown = sorted(fields - set(PATTERN_FIELDS))
         if not unknown:
-            pattern.format(**dict.fromkeys(PATTERN_FIELDS, 0))
+            filled(pattern, **dict.fromkeys(PATTERN_FIELDS, 0))
     except (ValueError, LookupError) as error:
         raise InputError(f"{where}: {error}. Write fields such as {{station:03d}}.") from error
     if unknown:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from calibore.documents import filled
 from calibore.errors import InputError
 from calibore.rigs import Rig
 from calibore.simulation._light import Stray, area_per_point, inside_image
@@ -69,8 +70,8 @@ class Overlay:
         if not 0 <= self.brightness <= 1:
             raise InputError(f"The brightness of an overlay must be between 0 and 1, got {self.brightness:g}.")
         try:
-            self.text.format(station=0, axial=0.0)
-        except (KeyError, IndexError, ValueError) as error:
+            filled(self.text, station=0, axial=0.0)
+        except (LookupError, ValueError, AttributeError, TypeError) as error:
             raise InputError(f'The overlay "{self.text}" may hold {{station}} and {{axial}} only.') from error
 
     def write_on(self, image: NDArray[np.uint8 | np.uint16], *, station: int, axial: float) -> None:

@@ -25,7 +25,8 @@ def correlation_of(matrix: Array) -> Array:
     """Correlation coefficients (p, p); 0 in the rows and columns of parameters without variance."""
     u = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     divisor = np.where(u > 0, u, 1.0)
-    return matrix / np.outer(divisor, divisor)
+    with np.errstate(over="ignore"):  # infinite, and refused as larger than 1
+        return matrix / divisor / divisor[:, None]
 
 
 def check_names(names: tuple[str, ...], matrix: Array) -> None:

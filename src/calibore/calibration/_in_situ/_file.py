@@ -154,17 +154,18 @@ def bends_of(probe: Probe) -> Array:
 def read_table(path: Path, *, u: float | None = None) -> WallGrid:
     """A table of axial_m, clock_rad, radius_m and perhaps u_m, the uncertainty that its radii share."""
     rows = _numbers(path)
-    if rows.shape[1] not in (3, 4) or len(rows) < 8:
+    if rows.ndim != 2 or rows.shape[1] not in (3, 4) or len(rows) < 8 or np.isinf(rows).any():
         raise InputError(f"{path} needs rows of {', '.join(COLUMNS[:3])} and perhaps u_m, separated by commas.")
     axial, i = np.unique(np.round(rows[:, 0], 9), return_inverse=True)
     clock, j = np.unique(np.round(rows[:, 1] % (2 * np.pi), 9), return_inverse=True)
-    radius = np.full((axial.size, clock.size), np.nan)
-    radius[i, j] = rows[:, 2]
-    if np.isfinite(radius).mean() < FEWEST_FILLED:
+    told = np.isfinite(rows[:, 2]).sum()
+    if told < FEWEST_FILLED * axial.size * clock.size:
         raise InputError(
             f"{path} is no grid: its {len(rows)} rows have {axial.size} axial and {clock.size} clock positions; "
             "measure or interpolate every ring at the same clock positions."
         )
+    radius = np.full((axial.size, clock.size), np.nan)
+    radius[i, j] = rows[:, 2]
     stated = float(np.median(rows[:, 3])) if rows.shape[1] == 4 else DEFAULT_U
     return WallGrid(axial, clock, radius, stated if u is None else u)
 

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, Field
 from calibore.calibration._in_words import Unit
 from calibore.calibration._input_files import InputFile, input_file
 from calibore.calibration._pupil._model import Sightings
-from calibore.documents import Angle, Document, Length, read_document
+from calibore.documents import Angle, Document, Length, filled, read_document
 from calibore.errors import ImageError, InputError
 from calibore.images import read_image
 from calibore.optics import LENS_LAWS
@@ -124,7 +124,7 @@ def _name(pattern: str, slide: int, turn: int, toml: Path) -> str:
         fields = {field for _, field, _, _ in string.Formatter().parse(pattern) if field is not None}
         if fields != {"slide", "turn"}:
             raise ValueError("it needs the fields {slide} and {turn} and no others")
-        return pattern.format(slide=slide, turn=turn)
+        return filled(pattern, slide=slide, turn=turn)
     except (ValueError, LookupError) as error:
         raise InputError(
             f'{toml}: images = "{pattern}" is wrong: {error}. Write it as "pupil {{slide:03d}} {{turn}}.png"; slide '

@@ -1,0 +1,98 @@
+"""Numbers that fuzzing has given to functions, reduced: each was a crash, a warning, or no number where one is due."""
+
+import numpy as np
+import pytest
+
+from calibore.errors import InputError
+from calibore.lasers import Beam, Cone, Plane, Sheet
+from calibore.metrics import RingShape
+from calibore.optics import Camera, Lens
+from calibore.rigs import measure, monte_carlo, triangulate
+from calibore.simulation import random_rig
+from calibore.uncertainty import Covariance
+
+PLANE = random_rig(np.random.default_rng(1), 0.15).with_default_uncertainty(0.15)
+CALLS = {
+    "triangulate": lambda u, v, **how: triangulate(PLANE, u, v, **how),
+    "measure": lambda u, v, **how: measure(PLANE, u, v, u_pixel=0.1, **how),
+    "monte_carlo": lambda u, v, **how: monte_carlo(
+        PLANE, u, v, u_pixel=0.1, draws=9, rng=np.random.default_rng(1), **how
+    ),
+}
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS.keys())
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"laser": 1}, "none of number 1"),
+        ({"laser": -1}, "none of number -1"),
+        ({"branch": [0, 0, 7]}, "numbers 0 to 0"),
+        ({"prior_radius": 0.0}, "positive"),
+        ({"prior_radius": [0.1, 0.1, np.inf]}, "positive"),
+        ({"v": [1.0, 2.0]}, "as many u as v"),
+    ],
+)
+def test_what_cannot_be_asked_of_a_rig_is_told_in_a_sentence(call, arguments, said):
+    pixels = {"u": [200.0, 250.0, 300.0], "v": [100.0, 200.0, 300.0]}
+    with pytest.raises(InputError, match=said):
+        call(**(pixels | arguments))
+
+
+@pytest.mark.parametrize("kernel", ["native", "numpy"])
+def test_noise_and_probabilities_that_cannot_be_are_told_in_a_sentence(kernel):
+    for wrong in ({"u_pixel": -1.0}, {"u_pixel": np.inf}, {"probability": np.inf}, {"probability": 1.0}):
+        how = {"u_pixel": 0.1, "draws": 9, "rng": np.random.default_rng(1), "kernel": kernel} | wrong
+        with pytest.raises(InputError):
+            monte_carlo(PLANE, [200.0], [100.0], **how)
+
+
+@pytest.mark.parametrize("kernel", ["native", "numpy"])
+def test_pixels_at_infinity_are_outside_without_a_word(kernel):
+    far = measure(PLANE, [np.inf, -np.inf, 1e300, 3.0], [0.0, np.inf, -1e300, np.nan], u_pixel=0.1, kernel=kernel)
+    assert (far.status != 0).all()
+    assert np.isnan(far.radius).all()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda huge: Plane(0.15, huge),
+        lambda huge: Plane(huge),
+        lambda huge: Sheet(0.1, huge, 0.0),
+        lambda huge: Beam(0.1, 0.0, -huge, 0.3, 0.0),
+        lambda huge: Cone(0.0, 0.0, 0.7, 0.0, huge),
+        lambda huge: Lens("equidistant", huge, 240.0),
+        lambda huge: Lens("equidistant", 300.0, 240.0, c1=huge),
+    ],
+)
+def test_no_light_and_no_lens_has_numbers_whose_products_are_none(make):
+    make(0.2)
+    for huge in (1e308, -1e200, np.inf, np.nan):
+        with pytest.raises(InputError):
+            make(huge)
+
+
+@pytest.mark.parametrize(("key", "value"), [("principal_point", (-1e308, 3.0)), ("aspect", 1e-300), ("aspect", np.inf)])
+def test_no_camera_has_its_principal_point_beyond_numbers(key, value):
+    with pytest.raises(InputError):
+        Camera(640, 480, Lens("equidistant", 300.0, 240.0), **({"principal_point": (320.0, 240.0)} | {key: value}))
+
+
+def test_a_covariance_whose_coefficients_overflow_is_refused():
+    with pytest.raises(InputError, match="correlat"):
+        Covariance(("a", "b"), np.array([[2.5e-8, 1e300], [1e300, 0.16]]))
+
+
+@pytest.mark.parametrize(("what", "value"), [("radius", 1e300), ("u_independent", 1e300), ("common_mode", 1e300)])
+def test_a_ring_as_large_as_no_pipe_is_refused(what, value):
+    ring = {
+        "clock": np.arange(40) * np.pi / 20,
+        "radius": np.full(40, 0.15),
+        "u_independent": np.full(40, 1e-4),
+        "common_mode": np.zeros((1, 40)),
+    }
+    RingShape(**ring)
+    ring[what][..., 7] = value
+    with pytest.raises(InputError):
+        RingShape(**ring)
