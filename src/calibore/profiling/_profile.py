@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
-from calibore.crews import Cluster, Workers, in_order
+from calibore.crews import Workers, in_order
 from calibore.errors import InputError
 from calibore.images import ImageFolder, ImageSource, StationImages, read_ahead
 from calibore.lasers import Beam

@@ -70,7 +70,10 @@ def brightness_at(image: NDArray[np.generic], u: Array, v: Array, *, channel: st
     reach = np.arange(-low, high + 1)
     column, row = (np.where(inside, at, low).astype(np.intp)[:, None] + reach for at in (left, top))
     values = plane[row[:, :, None], column[:, None, :]].astype(np.float64)
-    across, down = (_lanczos(np.where(inside, at - whole, 0.0)[:, None] - reach) for at, whole in ((u, left), (v, top)))
+    across, down = (
+        _lanczos(np.where(inside, at - whole, 0.0)[:, None] - reach.astype(np.float64))
+        for at, whole in ((u, left), (v, top))
+    )
     mixed = np.einsum("nji,ni,nj->n", values, across, down)
     white = SATURATED_FROM * picture.white
     return np.where(inside & (values.max(axis=(1, 2)) < white), mixed, np.nan)
