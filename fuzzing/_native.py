@@ -6,7 +6,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from fuzzing._pictures import arguments, pictures
+from fuzzing._pictures import PICTURES, arguments, pictures
 
 CRATE = Path(__file__).parents[1] / "native" / "fuzz"
 TARGET = "x86_64-unknown-linux-gnu"
@@ -19,7 +19,7 @@ FLAGS = " ".join(
 )
 LARGEST = {"png": 4096, "jpeg": 8192, "tiff": 4096, "bmp": 2048, "ring": 2048, "line": 2048}
 """Bytes of an input, where 4096 are not right."""
-TARGETS = ("jpeg", "tiff", "png", "ring", "line", "measure", "draw", "bmp")
+TARGETS = ("jpeg", "tiff", "png", "ring", "line", "measure", "draw", "bmp", "pnm")
 """In the order of the risk."""
 
 
@@ -35,7 +35,7 @@ def command(name: str, home: Path, *, seed: int) -> list[str]:
     found.mkdir(parents=True, exist_ok=True)
     if not corpus.is_dir():
         corpus.mkdir()
-        for number, one in enumerate(pictures(name) if name in ("png", "jpeg", "tiff", "bmp") else arguments()):
+        for number, one in enumerate(pictures(name) if name in PICTURES else arguments()):
             (corpus / f"seed-{number:03d}").write_bytes(one)
     limits = ["-rss_limit_mb=2048", "-malloc_limit_mb=512", "-timeout=1000000", f"-max_len={LARGEST.get(name, 4096)}"]
     binary = CRATE / "target" / TARGET / "release" / name

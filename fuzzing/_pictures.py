@@ -12,8 +12,8 @@ MODES = ("1", "L", "P", "RGB", "RGBA", "LA", "I;16")
 
 
 def pictures(kind: str) -> list[bytes]:
-    """Files of `kind`: "png", "jpeg", "tiff" or "bmp"."""
-    return list({"png": _png, "jpeg": _jpeg, "tiff": _tiff, "bmp": _bmp}[kind]())
+    """Files of a kind in `PICTURES`."""
+    return list(PICTURES[kind]())
 
 
 def arguments(count: int = 40) -> list[bytes]:
@@ -70,3 +70,11 @@ def _tiff() -> Iterator[bytes]:
 def _bmp() -> Iterator[bytes]:
     for image in _images("1", "L", "P", "RGB", "RGBA"):
         yield _saved(image, "bmp")
+
+
+def _pnm() -> Iterator[bytes]:
+    for image in _images("L", "RGB", "I;16"):
+        yield _saved(image, "ppm")
+
+
+PICTURES = {"png": _png, "jpeg": _jpeg, "tiff": _tiff, "bmp": _bmp, "pnm": _pnm}
