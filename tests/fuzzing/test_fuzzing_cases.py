@@ -171,6 +171,13 @@ def test_no_pattern_of_names_fills_the_memory(tmp_path, pattern):
     assert peak_memory() - before < 50_000_000  # it was 4 GB
 
 
+def test_a_file_whose_name_no_system_takes_does_not_exist(tmp_path):
+    text = SCAN.replace("PATTERN", "{station}.png").replace("rig.toml", 4000 * "x")
+    (tmp_path / "scan.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="names no existing file"):
+        read_scan(tmp_path)
+
+
 @pytest.mark.parametrize("text", ["{axial:4294967296f}", "{station[0]}", "{station.x}", "{depth}"])
 def test_no_overlay_fills_the_memory_or_looks_into_numbers(text):
     with pytest.raises(InputError, match="may hold"):

@@ -80,8 +80,9 @@ def test_no_camera_has_its_principal_point_beyond_numbers(key, value):
 
 
 def test_a_covariance_whose_coefficients_overflow_is_refused():
-    with pytest.raises(InputError, match="correlat"):
-        Covariance(("a", "b"), np.array([[2.5e-8, 1e300], [1e300, 0.16]]))
+    for huge, said in ((1e140, "correlat"), (1e308, "finite")):
+        with pytest.raises(InputError, match=said):
+            Covariance(("a", "b"), np.array([[2.5e-8, huge], [huge, 0.16]]))
 
 
 @pytest.mark.parametrize(("what", "value"), [("radius", 1e300), ("u_independent", 1e300), ("common_mode", 1e300)])

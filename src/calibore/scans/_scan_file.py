@@ -3,6 +3,7 @@
 import datetime
 import hashlib
 import json
+import os
 import string
 from collections.abc import Callable
 from pathlib import Path
@@ -196,7 +197,7 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
     folder = toml.parent.resolve()
 
     def file(key: str, name: str) -> Path:
-        if not (folder / name).is_file():
+        if not os.path.isfile(folder / name):  # False too for what can be no name
             raise InputError(f'{toml}: key {key} = "{name}" names no existing file; paths are relative to {toml.name}.')
         return folder / name
 

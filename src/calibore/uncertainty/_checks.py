@@ -9,6 +9,7 @@ from calibore.errors import InputError
 
 Array = NDArray[np.float64]
 
+LARGEST = 1e150  # beyond any unit, and sums and products are still numbers
 ROUNDING = 1e-6  # of a correlation coefficient: a covariance printed with six digits
 
 
@@ -37,7 +38,7 @@ def check_names(names: tuple[str, ...], matrix: Array) -> None:
             f"A covariance of {len(names)} parameters has shape {(len(names),) * 2}, got {matrix.shape}; "
             "give one row and one column per parameter."
         )
-    if not np.isfinite(matrix).all():
+    if not (np.abs(matrix) <= LARGEST).all():
         raise InputError("A covariance must be finite, got NaN or infinity; leave unknown parameters out.")
 
 
