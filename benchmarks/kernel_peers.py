@@ -95,7 +95,7 @@ def _with_packages(search: tuple[Any, ...]) -> Contestants:
 
 
 def _unwrapped(search: tuple[Any, ...], peaks: Callable[..., Any], unwrap: Callable[..., Any]) -> Callable[[], Any]:
-    return partial(opencv.ring, *search, peaks, unwrap)
+    return partial(opencv.ring, *search, peaks, unwrapping=unwrap)
 
 
 def _there(module: str) -> bool:

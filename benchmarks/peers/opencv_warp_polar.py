@@ -67,8 +67,8 @@ def ring(
     outer: float,
     band: int,
     peaks=parabola_peaks,
-    unwrapping=unwrap,
     most: int = 8,
+    unwrapping=unwrap,
 ):
     """(u, v) of the ring, NaN where not found; `image` (h, w, 3), unwrapped `most` times at most: once is enough for
     who starts from the centre of the picture before.

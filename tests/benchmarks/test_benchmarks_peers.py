@@ -37,11 +37,11 @@ def peer(module: str) -> Callable[..., object]:
 
 
 def by_scipy(*search):
-    return opencv.ring(*search, scipy_rays.peaks, scipy_rays.unwrap)
+    return opencv.ring(*search, scipy_rays.peaks, unwrapping=scipy_rays.unwrap)
 
 
 def by_skimage(*search):
-    return opencv.ring(*search, opencv.parabola_peaks, peer("skimage_polar").unwrap)
+    return opencv.ring(*search, unwrapping=peer("skimage_polar").unwrap)
 
 
 def by_numba(*search):

@@ -1,5 +1,6 @@
 """The compiled engine says what its NumPy twin says, of every kind of rig."""
 
+from copy import deepcopy
 from dataclasses import fields, replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from random_engine_rigs import KINDS, random_pixels, random_rig
 
 from calibore.errors import InputError
 from calibore.optics import Lens
-from calibore.rigs import Rig, measure, triangulate
+from calibore.rigs import Rig, engine_form, measure, triangulate
 from calibore.status import Status
 
 RELATIVE = 1e-10
@@ -121,3 +122,10 @@ def test_numbers_that_do_not_fit_the_points_are_refused():
         measure(rig, [1.0, 2, 3], [1.0, 2, 3], u_pixel=[0.1, 0.2], laser=laser, prior_radius=size)
     with pytest.raises(InputError, match="shape"):
         measure(rig, [1.0], [1.0], u_pixel=0.1, direction=[[1.0, 0, 0]], laser=laser, prior_radius=size)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_rig_sent_to_another_process_is_known_there_too(kind):
+    """A cluster's workers would otherwise compute with the twin, and differ in the last digit."""
+    rig, laser, _ = random_rig(np.random.default_rng(4), kind)
+    assert engine_form(deepcopy(rig), laser) is not None

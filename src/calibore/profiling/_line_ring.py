@@ -78,7 +78,7 @@ def _line_on_wall(
     """The same of a line that lies on the wall."""
     if kernel not in ("native", "numpy"):
         raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
-    form = engine_form(rig, laser) if kernel == "native" and rig.mount is FORWARD and displacement is None else None
+    form = engine_form(rig, laser) if kernel == "native" and rig.mount == FORWARD and displacement is None else None
     if form is None or (isinstance(rig.lasers[laser].surface, Cone) and prior_radius is None):
         take = place_on_wall(stripe, rig, laser=laser, prior_radius=prior_radius)
         return _by_numpy(take if displacement is None else take.displaced(displacement), rig)

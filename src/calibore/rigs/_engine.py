@@ -49,7 +49,7 @@ def is_native(kernel: str, rig: Rig, laser: int) -> bool:
 
 
 def _is_known(rig: Rig, surface: LaserSurface) -> bool:
-    known_mount = rig.mount is FORWARD or type(rig.mount) is SideFacing
+    known_mount = rig.mount == FORWARD or type(rig.mount) is SideFacing
     return known_mount and type(surface) in SURFACES and rig.camera.parameter_names == CAMERA
 
 
@@ -58,7 +58,7 @@ def make_of(rig: Rig, laser: int, *, varied: tuple[str, ...] = ()) -> Make:
     lens = rig.camera.lens
     residual = lens.c1 != 0 or lens.c2 != 0 or bool({"camera.c1", "camera.c2"} & set(varied))
     surface = SURFACES.index(type(rig.lasers[laser].surface))
-    return Make(surface, rig.mount is not FORWARD, LAWS.index(lens.law), float(lens.half_height), residual)
+    return Make(surface, rig.mount != FORWARD, LAWS.index(lens.law), float(lens.half_height), residual)
 
 
 def names_of(rig: Rig, laser: int) -> tuple[str, ...]:

@@ -28,9 +28,7 @@ class ValidRegion:
 
     def holds(self, zenith: ArrayLike, radius: ArrayLike) -> NDArray[np.bool_]:
         """Which points (n,), seen at `zenith` [rad] and `radius` [m], lie inside, within `TOLERANCE`; NaN does not."""
-        (nearest, farthest), (least, most) = self.limits
-        zenith, radius = np.asarray(zenith), np.asarray(radius)
-        return (zenith >= nearest) & (zenith <= farthest) & (radius >= least) & (radius <= most)
+        return _within(np.asarray(zenith), self.zenith) & _within(np.asarray(radius), self.radius)
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -46,6 +44,13 @@ class ValidRegion:
             low, high = (limit / UNITS[unit] for limit in self.radius)
             parts.append(f"radius {low:.4g} to {high:.4g} {unit}")
         return ", ".join(parts)
+
+
+def _within(values: NDArray[np.float64], limits: Limits) -> NDArray[np.bool_]:
+    if limits is None:
+        return np.ones(values.shape, dtype=bool)
+    least, most = _widened(limits)
+    return (values >= least) & (values <= most)
 
 
 def _widened(limits: Limits) -> tuple[float, float]:
