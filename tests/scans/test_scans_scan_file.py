@@ -84,6 +84,11 @@ MISTAKES = {
         '"-6 in"',
         r"pipe.nominal_radius = .* is wrong: it is -0.1524 m but must be greater than 0",
     ),
+    "a pipe beyond all pipes": (
+        '"6 in"',
+        '"1e300 m"',
+        r"it is 1e\+300 m, but no pipe is wider than 1000 m; check its unit",
+    ),
     "zero radius": ('"6 in"', '"0 mm"', "must be greater than 0"),
     "NaN radius": ('"6 in"', '"nan in"', "pipe.nominal_radius = .* is wrong"),
     "bare NaN": ('"6 in"', "nan", "pipe.nominal_radius = nan is wrong: .*unit"),

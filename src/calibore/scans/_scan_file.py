@@ -33,9 +33,15 @@ def read_scan(path: Path | str, *, stream: str | None = None) -> ScanSpec:
     return _spec(document, toml)
 
 
+WIDEST = 1000.0
+"""Lengths [m] beyond which their unit must be wrong: radii, tips, steps."""
+
+
 def _positive(value: float) -> float:
     if value <= 0:
         raise ValueError(f"it is {value:g} m but must be greater than 0")
+    if value > WIDEST:
+        raise ValueError(f"it is {value:g} m, but no radius, tip or step is longer than {WIDEST:g} m; check its unit")
     return value
 
 
