@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 import struct
 import tracemalloc
 from pathlib import Path
@@ -176,6 +177,25 @@ def test_a_damaged_list_of_pictures_is_told_in_a_sentence_or_does_no_harm(pictur
         path.write_bytes(whole)
     assert len(told) > 20
     assert not any("\n" in sentence for sentence in told)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("zarr.json", r'"pictures": \d+', '"pictures": 1e999'),
+        ("station/zarr.json", r'"chunk_shape": \[\s*\d+', '"chunk_shape": [0'),
+        ("station/zarr.json", r'"fill_value": \d+', '"fill_value": 1000000000000000000000000000000'),
+        ("station/zarr.json", r'"shape": \[\s*\d+', '"shape": [2000000000'),
+    ],
+)
+def test_numbers_that_no_archive_has_are_told_in_a_sentence(archive, name, old, new):
+    """Found by fuzzing: infinity, chunks of nothing, numbers too large, a list of two thousand million pictures."""
+    path = archive / name
+    changed, count = re.subn(old, new, path.read_text(encoding="utf-8"), count=1)
+    assert count == 1
+    path.write_text(changed, encoding="utf-8")
+    with pytest.raises(InputError, match="archive"):
+        ImageArchive(archive, NAMES)
 
 
 def test_what_is_no_archive_is_told(tmp_path):

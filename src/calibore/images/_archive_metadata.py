@@ -103,6 +103,13 @@ class _Attributes:
         return cls(said.get("format", ""), int(said.get("pictures", 0)), tuple(forms), reasons)
 
 
+def _listed(numbers: Any, pictures: int) -> list[Any]:
+    """The `numbers` of an array, one for each of the `pictures`."""
+    if numbers.shape != (pictures,):
+        raise ValueError("the numbers of its pictures contradict each other")
+    return np.asarray(numbers).tolist()
+
+
 def read_metadata(store: Path) -> Contents:
     """What the archive `store` holds; raises InputError where it is none, or is damaged."""
     import zarr
@@ -112,7 +119,7 @@ def read_metadata(store: Path) -> Contents:
         if said.format != FORMAT:
             raise InputError(f'"{store}" is no archive of format "{FORMAT}"; import the pictures with this version.')
         group = zarr.open_group(store, mode="r", zarr_format=3)
-        *numbers, codes = (np.asarray(group[name]).tolist() for name in NUMBERS)
+        *numbers, codes = (_listed(group[name], said.pictures) for name in NUMBERS)
         keys = list(zip(*numbers, strict=True))
         if keys != sorted(set(keys)) or not len(keys) == len(codes) == said.pictures:
             raise ValueError("the numbers of its pictures contradict each other")
@@ -120,7 +127,7 @@ def read_metadata(store: Path) -> Contents:
         found = [None if code == REFUSED else forms[code] for code in codes]
     except FileNotFoundError as error:
         raise InputError(f'"{store}" is no archive of pictures; name one that calibore import has made.') from error
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
         why = str(error).split("\n")[0].rstrip(".") or type(error).__name__
         raise InputError(
             f'Archive "{store}" is damaged: what lists its pictures cannot be read ({why}); restore it from a copy, or '
