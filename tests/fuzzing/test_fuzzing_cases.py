@@ -178,6 +178,14 @@ def test_a_file_whose_name_no_system_takes_does_not_exist(tmp_path):
         read_scan(tmp_path)
 
 
+def test_an_archive_whose_name_no_system_takes_does_not_exist(tmp_path):
+    text = SCAN.replace("PATTERN", f'{{station}}.png"\narchive = "{4000 * "x"}')
+    (tmp_path / "rig.toml").write_text("", encoding="utf-8")
+    (tmp_path / "scan.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="names no existing archive"):
+        read_scan(tmp_path)
+
+
 @pytest.mark.parametrize("text", ["{axial:4294967296f}", "{station[0]}", "{station.x}", "{depth}"])
 def test_no_overlay_fills_the_memory_or_looks_into_numbers(text):
     with pytest.raises(InputError, match="may hold"):

@@ -232,7 +232,7 @@ def _spec(document: _Scan, toml: Path) -> ScanSpec:
 
 
 def _archive(folder: Path, name: str, toml: Path) -> Path:
-    if not (folder / name).is_dir():
+    if not os.path.isdir(folder / name):
         raise InputError(
             f'{toml}: key images.archive = "{name}" names no existing archive; paths are relative to {toml.name}.'
         )
