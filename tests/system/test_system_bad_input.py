@@ -319,7 +319,7 @@ def test_a_mistake_in_a_file_is_named_with_file_key_and_remedy(scan, mistake):
 @pytest.mark.parametrize(
     ("name", "pattern", "replacement"),
     [
-        ("scan.toml", '"0.1524 m"', '"6 km"'),
+        ("scan.toml", '"0.1524 m"', '"600 m"'),
         ("scan.toml", '"0.1524 m"', '"6 um"'),
         ("rig.toml", r"\[160.0, 120.0\]", "[16000.0, 120.0]"),
     ],
