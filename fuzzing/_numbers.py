@@ -53,7 +53,7 @@ class Stripes:
         image = _picture(rng)
         how = {
             "channel": str(rng.choice(["luma", "red", "green", "blue", "purple"])),
-            "estimator": str(rng.choice(["zero-crossing", "parabola", "maximum", "threshold", "centroid", "guess"])),
+            "estimator": str(rng.choice(["zero-crossing", "parabola", "maximum", "centroid", "steger", "guess"])),
             "kernel": str(rng.choice(["native", "native", "scalar", "numpy"])),
         }
         centre = (number(rng, 0, 90), number(rng, 0, 90))

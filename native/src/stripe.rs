@@ -26,6 +26,7 @@ mod path;
 mod peak;
 mod rays;
 mod refine;
+mod ridge;
 mod ring;
 mod sampling;
 mod scan;
@@ -55,7 +56,7 @@ type Arrays<'py> = (Column<'py>, Column<'py>, Column<'py>, Bound<'py, PyArray1<u
 type NoiseNumbers = (f64, f64, f64, f64, f64);
 
 fn estimator_of(number: u8) -> PyResult<Estimator> {
-    Estimator::numbered(number).ok_or_else(|| PyValueError::new_err(format!("estimator number must be 0 to 6, got {number}")))
+    Estimator::numbered(number).ok_or_else(|| PyValueError::new_err(format!("estimator number must be 0 to 7, got {number}")))
 }
 
 fn numbers(noise: &Noise) -> NoiseNumbers {

@@ -8,13 +8,13 @@ from calibore.errors import UsageError
 from calibore.status import Status
 from calibore.stripe import detect_line, estimator_named
 
-NAMES = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation")
+NAMES = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation", "steger")
 
 
 def rms(name: str, *, peak: float, seed: int) -> float:
     image, row = line_image(np.random.default_rng(seed), peak=peak)
     error = detect_line(image, estimator=name).v - row
-    assert np.isfinite(error).mean() > 0.999
+    assert np.isfinite(error[10:-10]).mean() > 0.999  # at the edge some have too little to go by
     return float(np.sqrt(np.nanmean(error**2)))
 
 
@@ -31,7 +31,9 @@ def test_the_estimators_rank_as_in_the_literature() -> None:
     bound = cramer_rao(row, width=2.0, peak=175.0)
     found = {name: rms(name, peak=175.0, seed=3) / bound for name in NAMES}
     assert max(found, key=lambda name: found[name]) == "maximum"
-    assert min(found, key=lambda name: found[name]) in ("zero-crossing", "correlation")
+    assert min(found, key=lambda name: found[name]) == "steger"
+    assert 0.4 < found["steger"] < 0.6  # it sees the neighbouring columns too: the bound is that of one column
+    assert min(set(NAMES) - {"steger"}, key=lambda name: found[name]) in ("zero-crossing", "correlation")
     assert 10 < found["maximum"] < 40  # anchors.md: 20
     assert 3 < found["parabola"] < 8  # 5.4, pixel locking
     assert found["threshold"] < 2.5  # 1.7
@@ -73,7 +75,7 @@ def test_the_published_threshold_is_45_grey_values() -> None:
 
 
 def test_an_unknown_estimator_is_named_with_the_known_ones() -> None:
-    with pytest.raises(UsageError, match=r'"best".*zero-crossing, parabola, maximum, threshold, centroid, correlation'):
+    with pytest.raises(UsageError, match='"best".*' + ", ".join(NAMES)):
         estimator_named("best")
     with pytest.raises(UsageError):
         estimator_named("crossing")

@@ -84,7 +84,7 @@ def calls(draw: st.DrawFn) -> dict[str, Any]:
         "rays": draw(st.integers(16, 200)),
         "channel": draw(st.sampled_from(["red", "green", "blue", "luma"])),
         "estimator": draw(
-            st.sampled_from(["zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation"])
+            st.sampled_from(["zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation", "steger"])
         ),
     }
 

@@ -19,7 +19,7 @@ from calibore.stripe._twin import Annulus, ring_numpy
 SIMULATED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated"
 SIDE = SIMULATED / "side-2.4in"
 FOLDERS = ["plane-3in", "plane-6in", "plane-12in", "plane-30in", "plane-misaligned", "field", "epochs/A"]
-NAMES = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation")
+NAMES = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation", "steger")
 SHAPE, CENTRE = (190, 210), (106.3, 93.8)
 native = pytest.mark.skipif(DEFAULT_KERNEL != "native", reason="the native kernel was not built")
 

@@ -9,7 +9,7 @@ use crate::{guarded, Bytes};
 
 const MOST: usize = 256 << 20;
 const LONGEST: Duration = Duration::from_secs(10);
-const ESTIMATORS: usize = 8;
+const ESTIMATORS: usize = 9;
 const STATUSES: u8 = 32;
 
 fn same(wide: &Option<Found>, scalar: &Option<Found>) {

@@ -1,11 +1,12 @@
 //! The line along a set of rays: candidates, choice by continuity, uncertainty from model and scatter.
 
-use super::choice::{line_among, Choice, RESOLVED, SATURATED};
+use super::choice::{line_among, Choice, NO_PEAK, RESOLVED, SATURATED};
 use super::rays::Rays;
+use super::ridge::ridges;
 use super::sampling::{Grey, Plane};
 use super::scan::{scan, Candidates};
 use super::scatter;
-use super::settings::{Noise, Settings};
+use super::settings::{Estimator, Noise, Settings};
 use super::trace::Look;
 
 /// The measured line (see the Python class `Stripe`).
@@ -39,25 +40,38 @@ impl Sight {
     }
 
     /// The line in sight with its uncertainty.
-    pub fn line(self, rays: &Rays, settings: Settings) -> Line {
+    pub fn line<T: Grey>(self, plane: &Plane<T>, rays: &Rays, settings: Settings) -> Line {
         let count = rays.rays.len();
         let empty = || Vec::with_capacity(count);
-        let (mut u, mut v, mut height, mut position, mut u_position, mut confidence, mut status) =
-            (empty(), empty(), empty(), empty(), empty(), empty(), Vec::with_capacity(count));
-        for (ray, chosen) in rays.rays.iter().zip(self.chosen) {
+        let (mut height, mut position, mut u_position, mut confidence, mut status) =
+            (empty(), empty(), empty(), empty(), Vec::with_capacity(count));
+        for chosen in self.chosen {
             let peak = self.candidates.peaks.get(chosen.pick).filter(|_| chosen.status <= RESOLVED);
-            let place = peak.map_or(f64::NAN, |peak| peak.position);
-            let [column, row] = ray.at(place);
-            u.push(column);
-            v.push(row);
-            position.push(place);
+            position.push(peak.map_or(f64::NAN, |peak| peak.position));
             u_position.push(peak.map_or(f64::NAN, |peak| peak.u));
             height.push(peak.map_or(f64::NAN, |peak| peak.height));
             status.push(if peak.is_some_and(|peak| peak.saturated) { SATURATED } else { chosen.status });
             confidence.push(chosen.confidence);
         }
+        if settings.estimator == Estimator::Steger {
+            (position, u_position) = ridges(plane, rays, &position, &height, &settings).into_iter().unzip();
+            lost(&position, &mut height, &mut status);
+        }
+        let (u, v) = rays.rays.iter().zip(&position).map(|(ray, &place)| ray.at(place).into()).unzip();
         let scatter = scatter::observe(&position, &u_position, settings.noise.width, rays.spacing, rays.closed, settings.vectors);
         u_position.iter_mut().for_each(|u| *u *= scatter.scale);
         Line { u, v, u_position, status, height, correlation: scatter.correlation, confidence, noise: settings.noise, scale: scatter.scale }
+    }
+}
+
+/// Where an estimator has found no place, there is no peak.
+fn lost(position: &[f64], height: &mut [f64], status: &mut [u8]) {
+    for ((position, height), status) in position.iter().zip(height).zip(status) {
+        if position.is_nan() {
+            *height = f64::NAN;
+            if *status <= SATURATED {
+                *status = NO_PEAK;
+            }
+        }
     }
 }

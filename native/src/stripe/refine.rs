@@ -9,7 +9,7 @@ use super::scan::{Candidates, Peak};
 use super::settings::{Estimator, Settings};
 
 /// A step longer than this has left the peak.
-const LONGEST_STEP: f64 = 2.0;
+pub const LONGEST_STEP: f64 = 2.0;
 const FULL_WIDTH: f64 = 2.354820045;
 
 /// Describes and refines many peaks under the same settings.
@@ -42,7 +42,7 @@ impl<'a> Refiner<'a> {
             let span = shape.fall.0[lane] - shape.rise.0[lane];
             let u = if moved.0[lane].is_nan() { span / 12f64.sqrt() } else { u.0[lane] };
             let u = match self.settings.estimator {
-                Estimator::Crossing => 0.0,
+                Estimator::Crossing | Estimator::Steger => 0.0,
                 Estimator::ZeroCrossing if moved.0[lane].abs() > LONGEST_STEP => u.hypot(moved.0[lane]),
                 Estimator::Maximum => u.hypot((1.0f64 / 12.0).sqrt()),
                 _ => u,
@@ -55,7 +55,7 @@ impl<'a> Refiner<'a> {
 
     /// The Gauss-Newton steps and uncertainties of the batch, if anybody wants them.
     fn fitted(&mut self) -> (Lanes, Lanes) {
-        if self.settings.estimator == Estimator::Crossing || !self.batch.shape.stands.contains(&true) {
+        if matches!(self.settings.estimator, Estimator::Crossing | Estimator::Steger) || !self.batch.shape.stands.contains(&true) {
             return (Lanes::ZERO, Lanes::ZERO);
         }
         (self.fit.step(&self.batch), self.fit.uncertainty())
@@ -67,7 +67,7 @@ impl<'a> Refiner<'a> {
         let (position, background) = (batch.position.0[lane], shape.background.0[lane]);
         let (first, samples) = match settings.estimator {
             Estimator::ZeroCrossing => return Some(moved_place(position, moved)),
-            Estimator::Crossing => return Some(position),
+            Estimator::Crossing | Estimator::Steger => return Some(position),
             Estimator::Threshold => return Some(0.5 * (shape.rise.0[lane] + shape.fall.0[lane])),
             Estimator::Parabola => batch.samples(lane, settings.reach()),
             _ => batch.samples(lane, self.fit.half()),

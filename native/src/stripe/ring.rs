@@ -32,7 +32,7 @@ pub fn measure<T: Grey>(plane: &Plane<T>, mut ring: Annulus, estimator: Estimato
         let centre = centre_of(&rays, &sight, ring.counted)?;
         recentrings += 1;
         if distance(centre, ring.centre) < SETTLED || recentrings == MOST_RECENTRINGS {
-            return Ok((sight.line(&rays, settings), ring.centre));
+            return Ok((sight.line(plane, &rays, settings), ring.centre));
         }
         ring.centre = centre;
     }
@@ -85,7 +85,7 @@ pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator, down: bool)
     let bright = Bright::along(plane, &rays, gate_of(&settings));
     let found = scan(plane, &rays, &settings.plain(), |ray| bright.of(ray));
     let settings = learn_noise(plane, &rays, &found, settings);
-    Ok(Sight::along(plane, &rays, &settings, |ray| bright.of(ray)).line(&rays, settings))
+    Ok(Sight::along(plane, &rays, &settings, |ray| bright.of(ray)).line(plane, &rays, settings))
 }
 
 /// Centre of the line in sight, by the rays that are `counted` (one for each ray of the dense set).

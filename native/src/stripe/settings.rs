@@ -11,13 +11,14 @@ pub enum Estimator {
     Centroid,
     Correlation,
     Crossing,
+    Steger,
 }
 
 impl Estimator {
     /// By its number in the Python enumeration.
     pub fn numbered(number: u8) -> Option<Self> {
         use Estimator::*;
-        [ZeroCrossing, Parabola, Maximum, Threshold, Centroid, Correlation, Crossing].get(number as usize).copied()
+        [ZeroCrossing, Parabola, Maximum, Threshold, Centroid, Correlation, Crossing, Steger].get(number as usize).copied()
     }
 }
 

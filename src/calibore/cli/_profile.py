@@ -33,7 +33,9 @@ def profile(
     out: Out,
     estimator: Annotated[
         str,
-        typer.Option(help="zero-crossing, parabola (the dissertation's), maximum, threshold, centroid, correlation."),
+        typer.Option(
+            help="zero-crossing, parabola (the dissertation's), maximum, threshold, centroid, correlation, steger."
+        ),
     ] = "zero-crossing",
     workers: Workers = None,
     scheduler: Scheduler = None,

@@ -22,6 +22,7 @@ class Estimator(IntEnum):
     CENTROID = 4  # centre of gravity
     CORRELATION = 5  # best match with a Gaussian of the line's width
     CROSSING = 6  # sign change of the fitted slope alone, without uncertainty: for a first look
+    STEGER = 7  # where the slope across the line of the smoothed picture is zero (Steger 1998)
 
     @property
     def label(self) -> str:

@@ -30,7 +30,7 @@ class Standing:
 
 def refine(y: Array, peak: Standing, settings: ScanSettings) -> tuple[float, float] | None:
     """(position, u) of `peak` on a ray of samples `y` (m,) by the estimator asked for; None where it finds none."""
-    if settings.estimator is Estimator.CROSSING:
+    if settings.estimator in (Estimator.CROSSING, Estimator.STEGER):  # Steger's looks at the picture, not at the ray
         return peak.position, 0.0
     middle = int(peak.position + 0.5)
     low, high = max(middle - settings.half_fit, 0), min(middle + settings.half_fit, y.size - 1)

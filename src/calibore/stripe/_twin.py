@@ -19,6 +19,7 @@ from calibore.stripe._learn import first_settings, learn_noise
 from calibore.stripe._light import laser_light
 from calibore.stripe._picture import Picture
 from calibore.stripe._rays import Rays, annulus, columns, rows
+from calibore.stripe._ridge import ridges
 from calibore.stripe._scan import scan
 from calibore.stripe._scatter import observe_scatter
 from calibore.stripe._stripe import Stripe
@@ -64,7 +65,7 @@ def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided:
         centre = _centre(sight, ring.counted)
         recentrings += 1
         if _distance(centre, ring.centre) < SETTLED or recentrings == MOST_RECENTRINGS:
-            return replace(_measure(sight, settings), centre=ring.centre)
+            return replace(_measure(picture, sight, settings), centre=ring.centre)
         ring = replace(ring, centre=centre)
 
 
@@ -73,7 +74,8 @@ def line_numpy(picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:
     rays = (rows if down else columns)(picture.image.shape)
     settings = first_settings(picture, rays, estimator)
     settings = learn_noise(picture, rays, scan(picture.plane(), rays, settings.plain()), settings)
-    return _measure(_sight(picture, rays, scan(picture.plane(), rays, settings), settings.noise.width), settings)
+    sight = _sight(picture, rays, scan(picture.plane(), rays, settings), settings.noise.width)
+    return _measure(picture, sight, settings)
 
 
 @dataclass(frozen=True)
@@ -149,12 +151,16 @@ def _distance(one: tuple[float, float], other: tuple[float, float]) -> float:
     return float(np.hypot(one[0] - other[0], one[1] - other[1]))
 
 
-def _measure(sight: Sight, settings: ScanSettings) -> Stripe:
+def _measure(picture: Picture, sight: Sight, settings: ScanSettings) -> Stripe:
     """The line in `sight` with its uncertainty from model and scatter."""
     rays, peaks, status = sight.rays, sight.peaks, sight.status.copy()
     status[(status <= Status.RESOLVED) & sight.picked(peaks.saturated)] = Status.SATURATED
     valued = status <= Status.SATURATED
     position, u, height = (np.where(valued, sight.picked(t), np.nan) for t in (peaks.position, peaks.u, peaks.height))
+    if settings.estimator is Estimator.STEGER:
+        position, u = ridges(picture.plane(), rays, position, height, settings)
+        lost = np.isnan(position)
+        height[lost], status[lost & valued] = np.nan, Status.NO_PEAK
     scatter = observe_scatter(position, u, width=settings.noise.width, spacing=rays.spacing, closed=rays.closed)
     (column, row), u, shared = rays.at(position), u * scatter.scale, scatter.correlation
     seen = column, row, rays.direction, u, status, height, shared
