@@ -168,10 +168,10 @@ def _spattered(image: np.ndarray, count: int, rng: np.random.Generator) -> np.nd
     return np.clip(np.rint(added), 0, 255).astype(image.dtype)
 
 
-def scenes(kind: str, count: int, **options: str) -> list[Scene]:
-    """The first `count` scenes of a kind whose rig stands above the water."""
+def scenes(kind: str, count: int, *, first: int = 0, **options: str) -> list[Scene]:
+    """`count` scenes of a kind whose rig stands above the water, the seeds from `first` on."""
     found: list[Scene] = []
-    for seed in range(4 * count):
+    for seed in range(first, first + 4 * count):
         try:
             found.append(scene(kind, seed, **options))
         except InputError:
