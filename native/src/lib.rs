@@ -6,6 +6,7 @@ mod decode;
 mod meeting;
 mod rings;
 mod stripe;
+mod water;
 
 /// What `native/fuzz` calls: the entries of Python's functions, below Python.
 #[cfg(fuzzing)]

@@ -8,6 +8,8 @@ mod draws;
 #[cfg(fuzzing)]
 pub mod entries;
 mod flat;
+pub mod fold;
+mod frontier;
 mod functions;
 mod intervals;
 mod lanes;
@@ -17,9 +19,10 @@ pub mod modes;
 mod mount;
 pub mod placing;
 mod points;
+pub mod projecting;
 mod random;
 pub mod rig;
-mod surface;
+pub mod surface;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1, PyReadwriteArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

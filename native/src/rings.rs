@@ -4,26 +4,28 @@ mod centre;
 mod circle;
 mod factors;
 mod features;
+mod fold;
 mod grid;
 mod gridding;
 mod harmonics;
 mod line;
-mod matrix;
+pub mod matrix;
 mod noise;
+mod of_line;
+mod path;
 mod sizes;
-mod statistics;
+mod smoothing;
+pub mod statistics;
 mod stretches;
+mod stripe;
 mod wall;
 
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::meeting::measure::{Choice, Pixels, Shared};
-use crate::meeting::modes::{Mode, MODE};
-use crate::meeting::{directions, fits, make_of, Directions, Makes, Numbers};
+use crate::meeting::Numbers;
 use grid::{wall_grid, Grid};
-use line::{on_wall, Line, Valid};
 use sizes::Draws;
 use wall::{estimate_wall, Ring, Wall};
 
@@ -127,66 +129,8 @@ impl RingEstimate {
     }
 }
 
-/// Standard uncertainty and status of the line's rays, what first order misses, correlation of neighbours, rays that graze the light.
-type Lines<'py> = (Numbers<'py>, PyReadonlyArray1<'py, u8>, Numbers<'py>, Numbers<'py>, PyReadonlyArray1<'py, bool>);
-type Arrays<'py> = (Vec<Bound<'py, PyArray1<f64>>>, Bound<'py, PyArray1<u8>>);
-
-/// See `calibore.profiling._line_ring`: the rays, their status; radius, axial, uncertainty, modes and correlation of the ring, its status.
-/// None where no ray meets the light.
-#[pyfunction]
-#[allow(clippy::too_many_arguments)]
-fn ring_of_line<'py>(
-    py: Python<'py>,
-    make: Makes,
-    parameters: Numbers<'py>,
-    modes: Table<'py>,
-    place: (Numbers<'py>, Numbers<'py>),
-    choice: (bool, Numbers<'py>),
-    direction: Directions<'py>,
-    line: Lines<'py>,
-    stated: Option<f64>,
-    valid: Option<([f64; 2], [f64; 2])>,
-    positions: usize,
-) -> PyResult<Option<(Arrays<'py>, Arrays<'py>)>> {
-    let (u, v) = place;
-    let (make, points) = (make_of(make)?, u.len());
-    let (u_position, status, enlargement, correlation, grazing) = &line;
-    for length in [choice.1.len(), enlargement.len()] {
-        fits(length, points)?;
-    }
-    let grazing_fits = grazing.len() == points || grazing.len() == 0;
-    let full = [v.len(), u_position.len(), status.len()] == [points; 3] && direction.is_some() && grazing_fits && positions > 0;
-    if !full || make.side_facing || parameters.len() != make.parameters() || modes.shape()[1] != MODE {
-        return Err(PyValueError::new_err("numbers do not fit the line or the rig"));
-    }
-    let moves: Vec<Mode> = modes.as_slice()?.as_chunks::<MODE>().0.iter().map(Mode::of).collect();
-    let (parameters, numbers) = (parameters.as_slice()?, Shared(choice.1.as_slice()?));
-    let pixels = Pixels {
-        u: u.as_slice()?,
-        v: v.as_slice()?,
-        choice: if choice.0 { Choice::Numbered(numbers) } else { Choice::Nearest(numbers) },
-        noise: Shared(&[1.0]),
-        direction: directions(&direction, points)?,
-    };
-    let line = Line {
-        u_position: u_position.as_slice()?,
-        status: status.as_slice()?,
-        enlargement: enlargement.as_slice()?,
-        correlation: correlation.as_slice()?,
-        grazing: grazing.as_slice()?,
-    };
-    let valid = valid.map(|(zenith, radius)| Valid { zenith, radius });
-    let found = py.detach(|| on_wall((&make, parameters, &moves), &pixels, &line, (stated, valid.as_ref(), positions)));
-    Ok(found.map(|found| {
-        let rays = found.rays.into_iter().map(|row| PyArray1::from_vec(py, row)).collect();
-        let ring = found.ring.columns.into_iter().chain([found.ring.modes, found.ring.correlation.to_vec()]);
-        let ring = ring.map(|row| PyArray1::from_vec(py, row)).collect();
-        ((rays, PyArray1::from_vec(py, found.status)), (ring, PyArray1::from_vec(py, found.ring.status)))
-    }))
-}
-
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<RingEstimate>()?;
-    module.add_function(wrap_pyfunction!(ring_of_line, module)?)?;
+    module.add_function(wrap_pyfunction!(of_line::ring_of_line, module)?)?;
     module.add_function(wrap_pyfunction!(estimate_ring, module)?)
 }

@@ -9,6 +9,8 @@ from calibore.geometry import Pose
 from calibore.lasers import Plane
 from calibore.optics import Camera, Lens
 from calibore.profiling import Job, measure_image
+from calibore.profiling._line_ring import line_on_wall
+from calibore.profiling._search import find_line
 from calibore.rigs import Laser, Rig
 from calibore.simulation import (
     Dent,
@@ -38,6 +40,16 @@ def ring_of(wall, *, rig=RIG, roll=0.0, seed=0, ahead=0.33):
     pose = Pose.from_roll_pitch_yaw(roll, translation=(0.002, 0.001, -ahead))
     image = render_ring(rig, wall, pipe_from_rig=pose, rng=np.random.default_rng(seed), line=LINE, sensor=SENSOR)
     return measure_image(image, Job.of(rig, R))
+
+
+def same_water(image, rig):
+    """How many rays show water, which both kernels must tell of the same ones."""
+    job = Job.of(rig, R)
+    stripe = find_line(image, rig, job.looks[0].search, channel="red", estimator=job.estimator)
+    ours, theirs = (line_on_wall(stripe, job.rig, prior_radius=R, kernel=kernel) for kernel in ("native", "numpy"))
+    np.testing.assert_array_equal(ours.rays.status, theirs.rays.status)
+    np.testing.assert_allclose(ours.ring.radius, theirs.ring.radius, rtol=0, atol=1e-11 * R)
+    return int(np.count_nonzero(ours.rays.status == Status.WATER))
 
 
 def half_angle(share):
@@ -111,3 +123,32 @@ def test_a_strut_shadow_over_the_invert_is_no_water() -> None:
     image = render_ring(RIG, PipeWall(R), pipe_from_rig=pose, rng=np.random.default_rng(1), line=line, sensor=SENSOR)
     ring = measure_image(image, Job.of(RIG, R))
     assert not np.any(ring.status == Status.WATER)
+
+
+@pytest.mark.parametrize("name", DRY)
+def test_both_kernels_call_a_dry_pipe_dry(name: str) -> None:
+    pose = Pose.from_roll_pitch_yaw(0.1, translation=(0.002, 0.001, -0.33))
+    rng = np.random.default_rng(len(name))
+    assert same_water(render_ring(RIG, PipeWall(R, DRY[name]), pipe_from_rig=pose, rng=rng, line=LINE), RIG) == 0
+
+
+@pytest.mark.parametrize("law", ["perspective", "stereographic", "equidistant", "sine-law", "equisolid-angle"])
+def test_both_kernels_tell_the_same_rays_of_water(law: str) -> None:
+    wet = []
+    for seed, c1 in enumerate((0.0, 0.02, 0.0, -0.02, 0.0, 0.0)):
+        rng = np.random.default_rng(seed)
+        rig = replace(RIG, camera=replace(RIG.camera, lens=Lens(law, 270.0, 192.0, c1=c1), aspect=1.01))
+        level = 2 * R * (0.18 + 0.05 * seed)
+        water = Water(level, ripple=0.002) if seed < 4 else Water(0.2 * R, glints=4.0, seed=seed)
+        pose = Pose.from_roll_pitch_yaw(rng.normal(0, 0.1), translation=(0.003, -0.002, -0.33))
+        image = render_ring(rig, PipeWall(R, water=water), pipe_from_rig=pose, rng=rng, line=LINE, sensor=SENSOR)
+        wet.append(same_water(image, rig))
+    assert np.count_nonzero(wet) >= 2
+
+
+@pytest.mark.parametrize("kind", ["single-cone", "coaxial-cone", "reversed-cone"])
+def test_both_kernels_tell_the_same_rays_of_a_cone(kind: str) -> None:
+    rng, wall = np.random.default_rng(5), PipeWall(R, water=Water(0.6 * R, ripple=0.002))
+    rig = random_rig(rng, R, kind=kind)
+    pose = random_pose(rng, rig, R)
+    assert same_water(render_ring(rig, wall, pipe_from_rig=pose, rng=rng, line=LINE, sensor=SENSOR), rig) > 0

@@ -8,10 +8,10 @@ use super::surface::{Contact, Kind, Meeting, Surface, GRAZING_SINE, SURFACE};
 
 #[derive(Clone, Copy)]
 pub struct Cone {
-    apex: Vector,
-    axis: Vector,
-    cosine: Lanes,
-    sine: Lanes,
+    pub apex: Vector,
+    pub axis: Vector,
+    pub cosine: Lanes,
+    pub sine: Lanes,
     per_cosine: Lanes,
 }
 

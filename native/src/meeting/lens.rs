@@ -18,7 +18,7 @@ impl Law {
     }
 
     /// The ratio image radius / k at which the law ends.
-    fn end(self) -> f64 {
+    pub fn end(self) -> f64 {
         match self {
             Law::Perspective | Law::Stereographic => f64::INFINITY,
             Law::Equidistant => std::f64::consts::PI,

@@ -43,9 +43,14 @@ impl Mode {
         }
     }
 
+    /// What it does to the numbers of the surface.
+    pub fn of_surface(&self) -> &[f64; SURFACE] {
+        &self.surface
+    }
+
+    /// By how much it turns the ray with growing zenith and with growing azimuth.
     #[inline(always)]
-    pub fn motion<S: Surface, M: Mount>(&self, parts: (&S, &M), contact: &Contact, sight: &Sight, distance: Lanes) -> Motion {
-        let surface = parts.0.moved(contact, &self.surface);
+    pub fn turns(&self, sight: &Sight) -> [Lanes; 2] {
         let mut zenith = sight.by_lens[0] * Lanes::all(self.k);
         let mut azimuth = Lanes::ZERO;
         if self.bends {
@@ -59,6 +64,12 @@ impl Mode {
             zenith = sight.by_radius.fused(c.fused(x, s * y), zenith);
             azimuth = sight.across * c.fused(y, -(s * x));
         }
-        Motion { surface, turns: [zenith, azimuth], shift: parts.1.moved(self.mount, sight.direction, distance) }
+        [zenith, azimuth]
+    }
+
+    #[inline(always)]
+    pub fn motion<S: Surface, M: Mount>(&self, parts: (&S, &M), contact: &Contact, sight: &Sight, distance: Lanes) -> Motion {
+        let surface = parts.0.moved(contact, &self.surface);
+        Motion { surface, turns: self.turns(sight), shift: parts.1.moved(self.mount, sight.direction, distance) }
     }
 }

@@ -16,6 +16,7 @@ pub mod status {
     pub const NO_PEAK: u8 = 3;
     pub const GRAZING: u8 = 8;
     pub const EXTRAPOLATED: u8 = 11;
+    pub const WATER: u8 = 15;
 }
 
 /// What was found in the picture, ray by ray: `enlargement` one number or one for each.

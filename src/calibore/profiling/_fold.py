@@ -80,11 +80,11 @@ def enlargement(m: Array) -> Array:
     exp(-(x^2 - m)^2 / 2) round the ring, where all x are as likely (JCGM 101, by quadrature). Continuity knows its
     sign, the branch, but for a chance that falls off as the distribution does where the branches meet.
     """
-    return np.where(np.isfinite(m), np.interp(m, *_enlargements(), right=1.0), 1.0)
+    return np.where(np.isfinite(m), np.interp(m, *enlargements(), right=1.0), 1.0)
 
 
 @lru_cache(maxsize=1)
-def _enlargements() -> tuple[Array, Array]:
+def enlargements() -> tuple[Array, Array]:
     """Margins and the enlargement at each."""
     m, x = np.linspace(MEASURABLE, 2 * NEAR_FOLD, 197), np.linspace(0, 10, 2001)
     root = np.sqrt(m)[:, None]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from calibore.errors import ImageError, UsageError
 from calibore.lasers import Cone
-from calibore.profiling._fold import line_on_cone
+from calibore.profiling._fold import enlargements
 from calibore.profiling._grid import POSITIONS, Ring, clock_grid, grid_ring
 from calibore.profiling._take import NO_POINT, TakePoints, place_on_wall
 from calibore.profiling._water import wet_rays, without_water
@@ -66,29 +66,15 @@ def line_on_wall(
     `prior_radius` [m], roughly the wall's, tells the meetings with a cone apart. `displacement` (n, 3) [m]: how far
     each point is moved in the rig frame; that is done in NumPy. What water mirrors is left out (`wet_rays`).
     """
-    how: Any = {"laser": laser, "prior_radius": prior_radius, "displacement": displacement, "kernel": kernel}
-    found = _line_on_wall(stripe, rig, **how)
-    wet = wet_rays(found.rays.points, found.rays.clock, stripe, rig)
-    return _line_on_wall(without_water(stripe, wet), rig, **how) if wet.any() else found
-
-
-def _line_on_wall(
-    stripe: Stripe, rig: Rig, *, laser: int, prior_radius: float | None, displacement: Array | None, kernel: str
-) -> LineOnWall:
-    """The same of a line that lies on the wall."""
     if kernel not in ("native", "numpy"):
         raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
     form = engine_form(rig, laser) if kernel == "native" and rig.mount == FORWARD and displacement is None else None
-    if form is None or (isinstance(rig.lasers[laser].surface, Cone) and prior_radius is None):
-        take = place_on_wall(stripe, rig, laser=laser, prior_radius=prior_radius)
-        return _by_numpy(take if displacement is None else take.displaced(displacement), rig)
-    (rays, status), (ring, of_ring) = _by_engine(stripe, rig, form, laser=laser, prior_radius=prior_radius)
-    points, (radius, clock, u_radius) = np.stack(rays[:3], axis=1), rays[3:]
-    mean, axial, u, modes, correlation = ring
-    return LineOnWall(
-        WallRays(points, radius, clock, u_radius, stripe.u, stripe.v, status),
-        Ring(clock_grid(), mean, axial, u, modes.reshape(-1, POSITIONS), of_ring, correlation),
-    )
+    if form is not None and (prior_radius is not None or not isinstance(rig.lasers[laser].surface, Cone)):
+        return _by_engine(stripe, rig, form, laser=laser, prior_radius=prior_radius)
+    how: Any = {"laser": laser, "prior_radius": prior_radius, "displacement": displacement}
+    found = _by_numpy(stripe, rig, **how)
+    wet = wet_rays(found.rays.points, found.rays.clock, stripe, rig)
+    return _by_numpy(without_water(stripe, wet), rig, **how) if wet.any() else found
 
 
 def rays_of(take: TakePoints, covariance: Covariance) -> WallRays:
@@ -107,25 +93,29 @@ def rays_of(take: TakePoints, covariance: Covariance) -> WallRays:
     )
 
 
-def _by_numpy(take: TakePoints, rig: Rig) -> LineOnWall:
+def _by_numpy(
+    stripe: Stripe, rig: Rig, *, laser: int, prior_radius: float | None, displacement: Array | None
+) -> LineOnWall:
+    """All of a line that lies on the wall."""
+    take = place_on_wall(stripe, rig, laser=laser, prior_radius=prior_radius)
+    take = take if displacement is None else take.displaced(displacement)
     covariance = rig.covariance or Covariance.independent({})
     return LineOnWall(rays_of(take, covariance), grid_ring(take, covariance, stripe=rig.stripe))
 
 
-def _by_engine(stripe: Stripe, rig: Rig, form: Any, *, laser: int, prior_radius: float | None) -> Any:
-    u, v, u_position, branch = stripe.u, stripe.v, stripe.u_position, np.zeros(1)
-    enlargement, grazing = np.ones(1), np.zeros(0, dtype=bool)
-    if isinstance(rig.lasers[laser].surface, Cone) and prior_radius is not None:
-        on_cone = line_on_cone(stripe, rig, laser=laser, prior_radius=prior_radius)
-        u, v, branch, u_position, enlargement, grazing = on_cone
-    du, dv = np.ascontiguousarray(stripe.direction.T)
-    line = (_plain(u_position), stripe.status, _plain(enlargement), _plain(stripe.correlation), grazing)
+def _by_engine(stripe: Stripe, rig: Rig, form: Any, *, laser: int, prior_radius: float | None) -> LineOnWall:
+    line = (_plain(stripe.u), _plain(stripe.v), _plain(stripe.u_position), stripe.status, _plain(stripe.direction))
+    cone = (prior_radius, *enlargements()) if isinstance(rig.lasers[laser].surface, Cone) else None
     limits = None if rig.valid is None else rig.valid.limits
-    choice = True, _plain(branch)
-    found = _native.ring_of_line(*form, (_plain(u), _plain(v)), choice, (du, dv), line, rig.stripe, limits, POSITIONS)
+    line = (*line, _plain(stripe.correlation), stripe.centre)
+    found = _native.ring_of_line(form, line, rig.stripe, limits, cone, POSITIONS)
     if found is None:
         raise ImageError(NO_POINT)
-    return found
+    (*rays, status), ((mean, axial, u), modes, correlation, of_ring), wet = found
+    stripe = without_water(stripe, wet) if wet else stripe
+    ring = Ring(clock_grid(), mean, axial, u, modes.reshape(-1, POSITIONS), of_ring, correlation)
+    points, radius, clock, u_radius = rays
+    return LineOnWall(WallRays(points, radius, clock, u_radius, stripe.u, stripe.v, status), ring)
 
 
 def _plain(values: NDArray[Any]) -> Array:

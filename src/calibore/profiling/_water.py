@@ -5,10 +5,13 @@ rays are reflected, and here and there the surface itself. Both leave the wall a
 mirror image in a corner that points inwards, as no pipe has it, and glints along the chord, dark between them. So
 where the line leaves the wall's own curve round the invert, the chord between the ends is tried: if what lies under it
 is the mirror image of what lies above it, or few points on it, it is water.
+
+This is the specification of `native/src/water`, which `line_on_wall` calls for rigs that the engine knows.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +51,7 @@ DENSE = 0.6
 """Of the rays that meet the chord; where more of them show a point on it, it is a floor."""
 MOST_WALL = 0.25
 """What lies under the chord and is neither, a feature or a ghost, over what is."""
-TURNS, RAISES = np.radians([-12.0, -8.0, -4.0, 0.0, 4.0, 8.0, 12.0]), np.arange(-0.14, 0.4, 0.03)
+TURNS, RAISES = np.radians([-12.0, -8.0, -4.0, 0.0, 4.0, 8.0, 12.0]), np.linspace(-0.14, 0.4, 19)
 FINE_TURNS, FINE_RAISES = np.radians([-2.0, -1.0, 0.0, 1.0, 2.0]), np.array([-0.02, -0.01, 0.0, 0.01, 0.02])
 """How far from the chord between the ends others are tried: turned, and raised by so much of the radius, for the line
 leaves the wall the more gently the higher the water stands; and from the best of these, others."""
@@ -91,11 +94,16 @@ def wet_rays(points: Array, clock: Array, stripe: Stripe, rig: Rig) -> Bools:
     return wet
 
 
-def without_water(stripe: Stripe, wet: Bools) -> Stripe:
-    """`stripe` without its points on the `wet` rays (n,), which get the status WATER."""
-    names = ("u", "v", "u_position", "height")
-    gone = {name: np.where(wet, np.nan, getattr(stripe, name)) for name in names}
-    return replace(stripe, **gone, status=np.where(wet, Status.WATER, stripe.status).astype(np.uint8))
+def without_water(stripe: Stripe, wet: Bools | Sequence[int]) -> Stripe:
+    """`stripe` without its points on the `wet` rays (n,), or those of these numbers, which get the status WATER."""
+
+    def told(name: str, of_water: float) -> NDArray[Any]:
+        values = getattr(stripe, name).copy()
+        values[wet] = of_water
+        return values
+
+    gone = {name: told(name, np.nan) for name in ("u", "v", "u_position", "height")}
+    return replace(stripe, **gone, status=told("status", Status.WATER))
 
 
 class _Wall(NamedTuple):
@@ -185,7 +193,7 @@ class _Seen(NamedTuple):
         step = ((from_down + np.pi) * (BINS / (2 * np.pi))).astype(np.intp) % BINS
         off = self._is_off()
         wall = np.bincount(step[~off], minlength=BINS) > np.bincount(step[off], minlength=BINS)
-        if np.count_nonzero(off) < self._fewest():
+        if np.count_nonzero(off) < self._fewest() or not wall.any():
             return None
         lit = np.flatnonzero(wall)
         gaps = np.diff(np.append(lit, lit[0] + BINS))
