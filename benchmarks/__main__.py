@@ -32,6 +32,7 @@ PARTS = {
     "triangulation": Part("triangulation.report", in_report=True),
     "end_to_end_one": Part("end_to_end.report", (1,), pinned=True, in_report=True),
     "end_to_end_two": Part("end_to_end.report", (2,), in_report=True),
+    "end_to_end_parts": Part("end_to_end_parts.report", pinned=True, in_report=True),
     "decode": Part("end_to_end.decoding", pinned=True, in_report=True),
     "startup": Part("startup.report", in_report=True),
     "archive": Part("archive.report", pinned=True),

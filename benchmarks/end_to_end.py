@@ -35,7 +35,7 @@ def report(workers: int, rounds: int = 15) -> list[str]:
     """Markdown lines: on one thread by processor time, which other jobs disturb least, on several by the wall's."""
     cv2.setNumThreads(workers)
     with tempfile.TemporaryDirectory() as folder, np.errstate(all="ignore"):
-        kinds = _kinds(Path(folder))
+        kinds = kinds_in(Path(folder))
         lines = [f"## End to end: {len(kinds['PNG'])} pictures of plane-12in, {workers} thread(s)"]
         for number, (kind, paths) in enumerate(kinds.items()):
             lines += _kind(kind, paths, workers, np.random.default_rng([2, number]), rounds)
@@ -43,7 +43,7 @@ def report(workers: int, rounds: int = 15) -> list[str]:
         return lines + _accuracy(kinds["PNG"])
 
 
-def _kinds(folder: Path) -> dict[str, list[Path]]:
+def kinds_in(folder: Path) -> dict[str, list[Path]]:
     """The pictures in each kind of file, the lossy ones made from the others."""
     paths = image_paths()
     kinds: dict[str, list[Path]] = {"PNG": paths, "JPEG": [], "raw": []}

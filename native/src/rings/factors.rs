@@ -1,6 +1,6 @@
 //! Triangular factors of symmetric matrices, and what they solve.
 
-use super::matrix::{add_scaled, dot, Matrix};
+use super::matrix::{add_rows, add_scaled, dot, Matrix};
 use crate::meeting::dispatch::{widest, Work};
 
 /// What is added to the diagonal of a covariance, of its mean, until it has a factor; see `calibore.metrics._noise.factor`.
@@ -23,16 +23,15 @@ impl Matrix {
 
     /// L^-1 `right` for a lower triangle self, in place.
     pub fn forward(&self, right: &mut Matrix) {
-        widest(Forward { lower: self, right });
+        widest(Forward { lower: self, right, triangle: false });
     }
 
     /// self^-1 for a symmetric, positive self.
     pub fn inverse(&self) -> Option<Matrix> {
         let n = self.columns;
         let mut inner = Matrix::of(n, n, |i, j| f64::from(u8::from(i == j)));
-        self.cholesky()?.forward(&mut inner);
-        let inner = inner.transposed();
-        Some(inner.gram(&inner))
+        widest(Forward { lower: &self.cholesky()?, right: &mut inner, triangle: true });
+        Some(inner.transposed().times(&inner))
     }
 
     /// self^-1 right for a symmetric, positive self.
@@ -57,20 +56,25 @@ struct Cholesky<'a> {
 }
 
 impl Work for Cholesky<'_> {
+    /// By rows of the upper triangle, which lie as they are needed; they become columns of the lower one in the end.
     #[inline(always)]
     fn run(self) {
         let n = self.lower.columns;
-        for i in 0..n {
-            let (above, rest) = self.lower.values.split_at_mut(i * n);
-            let row = &mut rest[..n];
-            for j in 0..i {
-                let before = &above[j * n..][..n];
-                row[j] = (row[j] - dot(&row[..j], &before[..j])) / before[j];
+        for k in 0..n {
+            let (done, rest) = self.lower.values.split_at_mut((k + 1) * n);
+            let row = &mut done[k * n + k..];
+            *self.positive &= row[0] > 0.0;
+            let inverse = 1.0 / row[0].sqrt();
+            row.iter_mut().for_each(|value| *value *= inverse);
+            for (i, below) in rest.chunks_exact_mut(n).enumerate() {
+                add_scaled(&mut below[k + 1 + i..], -row[1 + i], &row[1 + i..]);
             }
-            let square = row[i] - dot(&row[..i], &row[..i]);
-            *self.positive &= square > 0.0;
-            row[i] = square.sqrt();
-            row[i + 1..].fill(0.0);
+        }
+        for i in 0..n {
+            for j in 0..i {
+                self.lower.values[i * n + j] = self.lower.values[j * n + i];
+                self.lower.values[j * n + i] = 0.0;
+            }
         }
     }
 }
@@ -78,6 +82,8 @@ impl Work for Cholesky<'_> {
 struct Forward<'a> {
     lower: &'a Matrix,
     right: &'a mut Matrix,
+    /// Whether `right` is a lower triangle, too.
+    triangle: bool,
 }
 
 impl Work for Forward<'_> {
@@ -86,11 +92,12 @@ impl Work for Forward<'_> {
         let width = self.right.columns;
         for i in 0..self.lower.columns {
             let (above, rest) = self.right.values.split_at_mut(i * width);
-            let row = &mut rest[..width];
-            for j in 0..i {
-                add_scaled(row, -self.lower.at(i, j), &above[j * width..][..width]);
-            }
-            row.iter_mut().for_each(|value| *value /= self.lower.at(i, i));
+            let row = &mut rest[..if self.triangle { i + 1 } else { width }];
+            let inverse = 1.0 / self.lower.at(i, i);
+            let scales = &self.lower.row(i)[..i];
+            row.iter_mut().for_each(|value| *value = -*value);
+            add_rows(row, scales, above, width);
+            row.iter_mut().for_each(|value| *value *= -inverse);
         }
     }
 }

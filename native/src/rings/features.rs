@@ -37,15 +37,16 @@ pub fn feature_between(
     let size = local_size(&values, &covariance.diagonal());
     let size_at_grid = if to.is_empty() { vec![] } else { Between::open(&to, &at).values(&size) };
     let step = TAU / noise.sigma.len() as f64;
-    let (mut best, mut length) = (f64::NEG_INFINITY, step * LENGTHS[0]);
+    let (mut best, mut length, mut inverse) = (f64::NEG_INFINITY, step * LENGTHS[0], None);
     for steps in LENGTHS {
-        let kernel = process((&at, &size), (&at, &size), step * steps);
-        let evidence = evidence(kernel, &covariance, &values)?;
-        if evidence > best {
-            (best, length) = (evidence, step * steps);
+        let total = sum(itself((&at, &size), step * steps), &covariance);
+        let lower = total.factor()?;
+        let evidence = evidence(&lower, &values);
+        if evidence > best || inverse.is_none() {
+            (best, length, inverse) = (evidence.max(best), step * steps, Some(total));
         }
     }
-    let inverse = sum(process((&at, &size), (&at, &size), length), &covariance).inverse()?;
+    let inverse = inverse?.inverse()?;
     let to_points = process((&to, &size_at_grid), (&at, &size), length);
     let smoother = to_points.times_transposed(&inverse);
     let noise = covariance.factor()?;
@@ -53,7 +54,7 @@ pub fn feature_between(
         return Some(Feature { points, columns, smoother, spread: Matrix::default(), noise });
     }
     let known = smoother.times_transposed(&to_points);
-    let prior = process((&to, &size_at_grid), (&to, &size_at_grid), length);
+    let prior = itself((&to, &size_at_grid), length);
     let least = 1e-12 * size.iter().copied().fold(0.0, f64::max).powi(2);
     let left = Matrix::of(to.len(), to.len(), |i, j| prior.at(i, j) - 0.5 * (known.at(i, j) + known.at(j, i)));
     let spread = left.plus_diagonal(&vec![least; to.len()]).factor()?;
@@ -62,10 +63,26 @@ pub fn feature_between(
 
 /// Covariance of the process between places of these sizes: Matern 3/2.
 fn process(of: (&[f64], &[f64]), with: (&[f64], &[f64]), length: f64) -> Matrix {
-    Matrix::of(of.0.len(), with.0.len(), |i, j| {
-        let scaled = 3.0_f64.sqrt() * (of.0[i] - with.0[j]).abs() / length;
-        of.1[i] * with.1[j] * ((1.0 + scaled) * (-scaled).exp())
-    })
+    Matrix::of(of.0.len(), with.0.len(), |i, j| of.1[i] * with.1[j] * matern(of.0[i] - with.0[j], length))
+}
+
+/// The same between all places of one set.
+fn itself((places, sizes): (&[f64], &[f64]), length: f64) -> Matrix {
+    let n = places.len();
+    let mut kernel = Matrix::zeros(n, n);
+    for i in 0..n {
+        for j in 0..=i {
+            let value = sizes[i] * sizes[j] * matern(places[i] - places[j], length);
+            kernel.values[i * n + j] = value;
+            kernel.values[j * n + i] = value;
+        }
+    }
+    kernel
+}
+
+fn matern(apart: f64, length: f64) -> f64 {
+    let scaled = 3.0_f64.sqrt() * apart.abs() / length;
+    (1.0 + scaled) * (-scaled).exp()
 }
 
 fn sum(mut a: Matrix, b: &Matrix) -> Matrix {
@@ -73,12 +90,12 @@ fn sum(mut a: Matrix, b: &Matrix) -> Matrix {
     a
 }
 
-fn evidence(kernel: Matrix, noise: &Matrix, values: &[f64]) -> Option<f64> {
-    let lower = sum(kernel, noise).factor()?;
+/// Of the factor of the covariance of `values`.
+fn evidence(lower: &Matrix, values: &[f64]) -> f64 {
     let mut white = Matrix { columns: 1, values: values.to_vec() };
     lower.forward(&mut white);
     let square: f64 = white.values.iter().map(|value| value * value).sum();
-    Some(-0.5 * square - lower.diagonal().iter().map(|pivot| pivot.abs().ln()).sum::<f64>())
+    -0.5 * square - lower.diagonal().iter().map(|pivot| pivot.abs().ln()).sum::<f64>()
 }
 
 /// Prior standard deviation of the process: what the neighbourhood shows beyond noise.

@@ -40,11 +40,10 @@ pub fn wall_grid(wall: &Wall, ring_modes: &[f64], angles: &[f64], regular: usize
         for (i, &column) in feature.columns.iter().enumerate() {
             best[column] += dot(feature.smoother.row(i), &values);
         }
-        for k in 0..basis.rows() {
-            let values: Vec<f64> = feature.points.iter().map(|&i| points.at(k, i)).collect();
-            for (i, &column) in feature.columns.iter().enumerate() {
-                response.row_mut(k)[column] -= dot(feature.smoother.row(i), &values);
-            }
+        let basis_there = Matrix::of(feature.points.len(), basis.rows(), |i, k| points.at(k, feature.points[i]));
+        let smoothed = feature.smoother.times(&basis_there);
+        for (i, &column) in feature.columns.iter().enumerate() {
+            (0..basis.rows()).for_each(|k| response.row_mut(k)[column] -= smoothed.at(i, k));
         }
         let noisy = (feature.smoother.rows() > 0).then(|| feature.smoother.times(&feature.noise));
         place(&mut again, &feature.columns, feature.points.len(), |i, k| noisy.as_ref().map_or(0.0, |noisy| noisy.at(i, k)));

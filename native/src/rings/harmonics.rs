@@ -1,6 +1,6 @@
 //! The smooth part of the wall: the twin of `calibore.metrics._harmonics`, which tells why.
 
-use super::matrix::{dot, Matrix};
+use super::matrix::Matrix;
 use super::noise::Noise;
 
 const HARMONICS: usize = 16;
@@ -64,10 +64,7 @@ pub fn harmonic_slope(basis: &Matrix, coefficients: &[f64]) -> Vec<f64> {
 /// `weights` 1 / u^2, zero where a point is not used.
 pub fn fit_harmonics(basis: &Matrix, radii: &[f64], weights: &[f64], noise: &Noise, prior: Option<&[f64]>) -> Option<HarmonicFit> {
     let p = basis.rows();
-    let mut weighted = basis.clone();
-    for i in 0..p {
-        weighted.row_mut(i).iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight);
-    }
+    let weighted = basis.weighted(weights);
     let (mut precision, mut score) = (weighted.gram(basis), weighted.applied(radii));
     if !noise.correlation.is_empty() {
         let spread = noise.covariance_of(&weighted);
@@ -76,8 +73,7 @@ pub fn fit_harmonics(basis: &Matrix, radii: &[f64], weights: &[f64], noise: &Noi
         let lower = spread.plus_diagonal(&ridge).cholesky()?;
         let mut right = Matrix::of(p, p + 1, |i, j| if j < p { precision.at(i, j) } else { score[i] });
         lower.forward(&mut right);
-        let white = right.transposed();
-        let all = white.gram(&white);
+        let all = right.transposed().times(&right);
         precision = Matrix::of(p, p, |i, j| all.at(i, j));
         score = (0..p).map(|i| all.at(i, p)).collect();
     }
@@ -131,10 +127,6 @@ fn judged(covariance: &Matrix, coefficients: &[f64], prior: &[f64]) -> (Vec<f64>
 
 /// Weighted normal equations of a few rows: basis W basis^T and basis W radii.
 pub fn normal_equations(basis: &Matrix, weights: &[f64], radii: &[f64]) -> (Matrix, Vec<f64>) {
-    let mut weighted = basis.clone();
-    for i in 0..basis.rows() {
-        weighted.row_mut(i).iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight);
-    }
-    let right = (0..basis.rows()).map(|i| dot(weighted.row(i), radii)).collect();
-    (weighted.gram(basis), right)
+    let weighted = basis.weighted(weights);
+    (weighted.gram(basis), weighted.applied(radii))
 }

@@ -8,34 +8,27 @@ pub struct Matrix {
     pub values: Vec<f64>,
 }
 
-/// Sums that are added up side by side, of long and of short rows.
-const MANY: usize = 32;
+/// Sums that are added up side by side: of short rows, and so many times as many of long ones.
 const FEW: usize = 8;
+const TIMES: usize = 4;
 
 #[inline(always)]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; MANY];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<MANY>(), b.as_chunks::<MANY>());
+    let mut sums = [[0.0; FEW]; TIMES];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<FEW>(), b.as_chunks::<FEW>());
+    let ((a, a_few), (b, b_few)) = (a.as_chunks::<TIMES>(), b.as_chunks::<TIMES>());
     for (a, b) in a.iter().zip(b) {
-        for k in 0..MANY {
-            sums[k] += a[k] * b[k];
+        for k in 0..TIMES {
+            (0..FEW).for_each(|i| sums[k][i] += a[k][i] * b[k][i]);
         }
     }
-    let ((a, a_rest), (b, b_rest)) = (a_rest.as_chunks::<FEW>(), b_rest.as_chunks::<FEW>());
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..FEW {
-            sums[k] += a[k] * b[k];
-        }
+    let [mut first, second, third, fourth] = sums;
+    for (a, b) in a_few.iter().zip(b_few) {
+        (0..FEW).for_each(|i| first[i] += a[i] * b[i]);
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    let mut width = MANY;
-    while width > 1 {
-        width /= 2;
-        for k in 0..width {
-            sums[k] += sums[k + width];
-        }
-    }
-    sums[0] + rest
+    let [a, b, c, d, e, f, g, h] = std::array::from_fn(|i| (first[i] + third[i]) + (second[i] + fourth[i]));
+    (((a + e) + (c + g)) + ((b + f) + (d + h))) + rest
 }
 
 #[inline(always)]
@@ -66,6 +59,28 @@ pub fn limits(values: &[f64]) -> (f64, f64) {
 pub fn add_scaled(to: &mut [f64], scale: f64, row: &[f64]) {
     for (to, value) in to.iter_mut().zip(row) {
         *to += scale * value;
+    }
+}
+
+/// Rows that are added up before the sum is stored.
+const TOGETHER: usize = 4;
+
+/// `to` += `scales` x `rows`, one row after the other: `rows` lie one behind the other, `width` apart, their first numbers count.
+#[inline(always)]
+pub fn add_rows(to: &mut [f64], scales: &[f64], rows: &[f64], width: usize) {
+    if to.is_empty() {
+        return;
+    }
+    let (scales, rest) = scales.as_chunks::<TOGETHER>();
+    let (blocks, last) = rows.split_at(scales.len() * TOGETHER * width);
+    for (scales, block) in scales.iter().zip(blocks.chunks_exact(TOGETHER * width)) {
+        let [a, b, c, d] = std::array::from_fn(|k| &block[k * width..][..to.len()]);
+        for (i, to) in to.iter_mut().enumerate() {
+            *to = (((*to + scales[0] * a[i]) + scales[1] * b[i]) + scales[2] * c[i]) + scales[3] * d[i];
+        }
+    }
+    for (scale, row) in rest.iter().zip(last.chunks_exact(width)) {
+        add_scaled(to, *scale, &row[..to.len()]);
     }
 }
 
@@ -135,16 +150,26 @@ impl Matrix {
         product
     }
 
+    /// self vector; a shorter vector meets the first columns.
     pub fn applied(&self, vector: &[f64]) -> Vec<f64> {
-        (0..self.rows()).map(|i| dot(self.row(i), vector)).collect()
+        let mut to = vec![0.0; self.rows()];
+        widest(Application { rows: self, vector, to: &mut to });
+        to
+    }
+
+    /// Every column times a number.
+    pub fn weighted(&self, by: &[f64]) -> Matrix {
+        let mut values = Vec::with_capacity(self.values.len());
+        for row in self.values.chunks_exact(self.columns.max(1)) {
+            values.extend(row.iter().zip(by).map(|(value, by)| value * by));
+        }
+        Matrix { columns: self.columns, values }
     }
 
     /// self^T vector
     pub fn combined(&self, vector: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.columns];
-        for (i, &scale) in vector.iter().enumerate() {
-            add_scaled(&mut sum, scale, self.row(i));
-        }
+        widest(Combination { rows: self, scales: vector, to: &mut sum });
         sum
     }
 
@@ -170,9 +195,35 @@ impl Work for Product<'_> {
     #[inline(always)]
     fn run(self) {
         for i in 0..self.a.rows() {
-            for k in 0..self.a.columns {
-                add_scaled(self.to.row_mut(i), self.a.at(i, k), self.b.row(k));
-            }
+            add_rows(self.to.row_mut(i), self.a.row(i), &self.b.values, self.b.columns);
+        }
+    }
+}
+
+struct Combination<'a> {
+    rows: &'a Matrix,
+    scales: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Work for Combination<'_> {
+    #[inline(always)]
+    fn run(self) {
+        add_rows(self.to, self.scales, &self.rows.values, self.rows.columns);
+    }
+}
+
+struct Application<'a> {
+    rows: &'a Matrix,
+    vector: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Work for Application<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for (i, to) in self.to.iter_mut().enumerate() {
+            *to = dot(&self.rows.row(i)[..self.vector.len()], self.vector);
         }
     }
 }

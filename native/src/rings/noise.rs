@@ -27,8 +27,7 @@ impl Noise {
     /// Covariance (p, p) of the linear functionals (p, n) of the radii.
     pub fn covariance_of(&self, functionals: &Matrix) -> Matrix {
         let n = functionals.columns;
-        let mut scaled = functionals.clone();
-        (0..scaled.rows()).for_each(|i| scaled.row_mut(i).iter_mut().zip(&self.sigma).for_each(|(value, sigma)| *value *= sigma));
+        let scaled = functionals.weighted(&self.sigma);
         let mut shared = scaled.clone();
         for i in 0..scaled.rows() {
             let (row, to) = (scaled.row(i), shared.row_mut(i));

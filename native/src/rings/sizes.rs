@@ -116,6 +116,8 @@ impl Grid {
         let part = |turn: fn(f64) -> f64| (0..n).map(|i| 2.0 / n as f64 * turn(2.0 * TAU * i as f64 / n as f64)).collect::<Vec<f64>>();
         let project = [part(f64::cos), part(f64::sin)];
         let of = |row: &[f64]| project.each_ref().map(|project| dot(project, &row[..n]));
+        let [x, y] = project.each_ref().map(|project| self.possible.applied(project));
+        let levels = self.possible.applied(&vec![1.0; n]);
         let (free, best) = (of(&self.freed), of(&self.best));
         let value = best[0].hypot(best[1]);
         let mean = self.best[..n].iter().sum::<f64>() / n as f64;
@@ -125,8 +127,7 @@ impl Grid {
             (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
         };
         for k in 0..self.possible.rows() {
-            let row = self.possible.row(k);
-            add(of(row), sum(&row[..n]) / n as f64);
+            add([x[k], y[k]], levels[k] / n as f64);
         }
         for &(place, jump) in &self.edges {
             add(project.each_ref().map(|project| project[place] * jump), jump / n as f64);
@@ -157,10 +158,11 @@ impl Grid {
             let changes = [2.0 / count * level, by_area, by_area * equivalent / (2.0 * area), by_length, axes[0], axes[1]];
             squares.iter_mut().zip(changes).for_each(|(square, change)| *square += change * change);
         };
+        let [levels, by_area, by_length] = [&vec![1.0; n], turn, &gradient].map(|by| self.possible.applied(by));
         for k in 0..self.possible.rows() {
             let row = self.possible.row(k);
             let axes = [row[n] + row[n + 1], row[n + 2] + row[n + 3]];
-            add(sum(&row[..n]), dot(turn, &row[..n]), dot(&gradient, &row[..n]), axes);
+            add(levels[k], by_area[k], by_length[k], axes);
         }
         for &(place, jump) in &self.edges {
             add(jump, turn[place] * jump, gradient[place] * jump, [0.0; 2]);
