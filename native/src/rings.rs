@@ -6,7 +6,7 @@ mod factors;
 mod features;
 mod fold;
 mod grid;
-mod gridding;
+pub mod gridding;
 mod harmonics;
 mod line;
 pub mod matrix;

@@ -76,17 +76,15 @@ impl<S: Surface> Placing<'_, S> {
         let turns = sight.turns();
         let by_radius = Slope::of(&outwards, &ray, &contact, turns, distance);
         let by_clock = Slope::of(&clockwise, &ray, &contact, turns, distance);
-        let along = |slope: &Slope| {
-            let ([by_u, by_v], [u, v]) = (slope.by_pixel(&sight), pixels.direction.unwrap_or([&[], &[]]));
-            by_u * Lanes::load(&u[from..]) + by_v * Lanes::load(&v[from..])
-        };
+        let direction = pixels.direction.unwrap_or([&[], &[]]).map(|part| Lanes::load(&part[from..]));
+        let along = [by_radius.by_pixel(&sight), by_clock.by_pixel(&sight)].map(|by| by[0] * direction[0] + by[1] * direction[1]);
         for (k, mode) in self.modes.iter().enumerate() {
             let motion = mode.motion((&rig.surface, &rig.mount), &contact, &sight, distance);
             by_radius.change(&motion).store(&mut self.to.radial[k][from..]);
             by_clock.change(&motion).store(&mut self.to.turned[k][from..]);
         }
         let [x, y, z] = point;
-        let columns = [x, y, z, radius, clock(x, y), along(&by_radius), along(&by_clock), sight.cosine];
+        let columns = [x, y, z, radius, clock(x, y), along[0], along[1], sight.cosine];
         columns.into_iter().zip(&mut self.to.columns).for_each(|(values, column)| values.store(&mut column[from..]));
         self.to.status[from..].iter_mut().zip(status).for_each(|(to, status)| *to = status);
     }

@@ -79,16 +79,37 @@ impl Steps {
         let after = |p: usize| (p + 1) % n;
         let difference: Vec<f64> = (0..n).map(|p| (level[after(p)] - level[p]) / (self.step + place[after(p)] - place[p])).collect();
         let slope = |p: usize| {
-            let near = (0..2 * SLOPE_REACH).map(|k| difference[(p + n - SLOPE_REACH + k) % n]);
-            let mut known: Vec<f64> = near.filter(|slope| slope.is_finite()).collect();
-            if known.len() > 1 {
-                median(&mut known)
+            let (mut known, mut count) = ([0.0; 2 * SLOPE_REACH], 0);
+            for k in 0..2 * SLOPE_REACH {
+                known[count] = difference[(p + n - SLOPE_REACH + k) % n];
+                count += usize::from(known[count].is_finite());
+            }
+            if count > 1 {
+                middle(&mut known[..count])
             } else {
                 0.0
             }
         };
         (0..n).map(slope).collect()
     }
+}
+
+/// Median of a few numbers.
+fn middle(values: &mut [f64]) -> f64 {
+    for i in 1..values.len() {
+        let mut k = i;
+        while k > 0 && values[k - 1] > values[k] {
+            values.swap(k - 1, k);
+            k -= 1;
+        }
+    }
+    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+}
+
+/// As `f64::hypot`, for numbers whose squares are numbers.
+#[inline(always)]
+pub fn root_of_squares(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
 }
 
 pub fn grid(rays: &Rays, correlation: &[f64], stated: Option<f64>, positions: usize) -> Gridded {
@@ -131,7 +152,7 @@ fn weights(steps: &Steps, level: &[f64], sigma: &[f64]) -> Vec<f64> {
         let Some(nearest) = known.min_by(|&a, &b| away(a).total_cmp(&away(b))) else { continue };
         let mut total = 0.0;
         for k in range.clone() {
-            if (level[k] - level[nearest]).abs() <= SAME_WALL * sigma[k].hypot(sigma[nearest]) {
+            if (level[k] - level[nearest]).abs() <= SAME_WALL * root_of_squares(sigma[k], sigma[nearest]) {
                 weight[k] = sigma[k].max(LEAST_SIGMA).powi(-2);
                 total += weight[k];
             }
@@ -144,14 +165,19 @@ fn weights(steps: &Steps, level: &[f64], sigma: &[f64]) -> Vec<f64> {
 /// Standard uncertainty of the weighted means, and the correlation of neighbouring ones.
 fn noise(steps: &Steps, weight: &[f64], sigma: &[f64], correlation: &[f64]) -> (Vec<f64>, [f64; LAGS]) {
     let (n, count) = (steps.positions(), steps.rays.iter().max().map_or(0, |most| most + 1));
-    let shared = |a: usize, b: usize| match a.abs_diff(b).min(count - a.abs_diff(b)) {
-        0 => 1.0,
-        lag => correlation.get(lag - 1).copied().unwrap_or(0.0),
-    };
+    let shared: Vec<f64> = [1.0].iter().chain(correlation).copied().collect();
     let part: Vec<f64> = weight.iter().zip(sigma).map(|(&w, &sigma)| if w > 0.0 && sigma.is_finite() { w * sigma } else { 0.0 }).collect();
     let covariance = |p: usize, q: usize| {
-        let pairs = steps.range(p).flat_map(|a| steps.range(q).map(move |b| (a, b)));
-        pairs.map(|(a, b)| part[a] * shared(steps.rays[a], steps.rays[b]) * part[b]).sum::<f64>()
+        let mut sum = 0.0;
+        for a in steps.range(p) {
+            for b in steps.range(q) {
+                let apart = steps.rays[a].abs_diff(steps.rays[b]);
+                if let Some(shared) = shared.get(apart.min(count - apart)) {
+                    sum += part[a] * shared * part[b];
+                }
+            }
+        }
+        sum
     };
     let u: Vec<f64> = (0..n).map(|p| covariance(p, p).max(0.0).sqrt()).collect();
     let correlation = std::array::from_fn(|k| {

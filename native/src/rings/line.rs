@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::gridding::{grid, Gridded, Rays};
+use super::gridding::{grid, root_of_squares, Gridded, Rays};
 use super::statistics::turned;
 use crate::meeting::measure::Pixels;
 use crate::meeting::modes::Mode;
@@ -66,7 +66,7 @@ pub fn on_wall(
     let [x, y, z, radius, _, along, turn, _] = placed.columns;
     let enlargement: Vec<f64> = (0..n).map(|i| line.enlargement[i.min(line.enlargement.len() - 1)]).collect();
     let common = |i: usize| placed.radial.iter().map(|mode| mode[i] * mode[i]).sum::<f64>().sqrt();
-    let u_radius = (0..n).map(|i| (along[i] * line.u_position[i] * enlargement[i]).hypot(common(i))).collect();
+    let u_radius = (0..n).map(|i| root_of_squares(along[i] * line.u_position[i] * enlargement[i], common(i))).collect();
     let rays = Rays {
         clock: &clock,
         radius: &radius,

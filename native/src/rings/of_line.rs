@@ -70,7 +70,9 @@ pub fn ring_of_line<'py>(
 fn arrays(py: Python<'_>, found: OnWall) -> PyResult<(Rays<'_>, Ring<'_>)> {
     let column = |values| PyArray1::from_vec(py, values);
     let [x, y, z, radius, clock, u_radius] = found.rays;
-    let points: Vec<f64> = (0..x.len()).flat_map(|i| [x[i], y[i], z[i]]).collect();
+    let mut points = vec![0.0; 3 * x.len()];
+    let rows = points.as_chunks_mut().0.iter_mut().zip(&x).zip(&y).zip(&z);
+    rows.for_each(|(((row, &x), &y), &z)| *row = [x, y, z]);
     let points = column(points).reshape([x.len(), 3])?;
     let rays = (points, column(radius), column(clock), column(u_radius), PyArray1::from_vec(py, found.status));
     let status = PyArray1::from_vec(py, found.ring.status);

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::FEWEST_OF_WALL;
+use crate::rings::gridding::root_of_squares;
 use crate::rings::matrix::Matrix;
 use crate::rings::statistics::{median, turned};
 
@@ -25,7 +26,7 @@ pub struct Sample {
 impl Sample {
     pub fn of(points: impl Iterator<Item = ([f64; 3], f64)>) -> Self {
         let (points, clock): (Vec<_>, Vec<f64>) = points.unzip();
-        let reach = points.iter().map(|[x, y, _]| x.hypot(*y)).collect();
+        let reach = points.iter().map(|[x, y, _]| root_of_squares(*x, *y)).collect();
         let from_crown = clock.iter().map(|clock| (turned(clock + PI, TAU) - PI).abs()).collect();
         Sample { terms: clock.into_iter().map(terms).collect(), points, reach, from_crown }
     }
@@ -61,7 +62,7 @@ impl Curve {
     }
 
     pub fn off(&self, [x, y, _]: [f64; 3], clock: f64) -> f64 {
-        x.hypot(y) - self.at(&terms(clock))
+        root_of_squares(x, y) - self.at(&terms(clock))
     }
 
     /// Drawn first from the crown, then from what is near of the points that `may` be wall.
