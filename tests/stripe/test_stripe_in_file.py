@@ -7,6 +7,7 @@ from threading import Thread
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from calibore.images import read_image
 from calibore.stripe import RingPlace, Stripe, detect_line, detect_line_in, detect_ring, detect_rings_in
@@ -82,6 +83,24 @@ def test_one_call_finds_the_line_of_two_steps_to_the_last_bit(down: bool, tmp_pa
     found = detect_line_in(path, size=SIZE, limit=LIMIT, down=down)
     assert found is not None
     assert_identical(found, detect_line(pixels, down=down))
+
+
+@pytest.mark.parametrize("options", [{}, {"progressive": True}, {"restart_marker_blocks": 3}], ids=str)
+@pytest.mark.parametrize("subsampling", [0, 1, 2])
+@pytest.mark.parametrize("size", [(61, 43), (320, 240)])
+def test_nothing_of_an_earlier_picture_shines_through_a_jpeg(
+    options: dict, subsampling: int, size: tuple[int, int], tmp_path: Path
+) -> None:
+    for colour in (True, False):
+        path = tmp_path / "a.jpg"
+        pixels = picture(7, colour=colour)[: size[1], : size[0]]
+        Image.fromarray(pixels).save(path, quality=85, subsampling=subsampling, **options)
+        decoded = []
+        for level in (0, 255):
+            left = written(tmp_path, "left.png", np.full_like(picture(7), level))
+            assert detect_rings_in(left, [PLACE], size=SIZE, limit=LIMIT) is None
+            decoded.append(read_image(path))
+        np.testing.assert_array_equal(*decoded)
 
 
 def test_nothing_is_found_where_two_steps_raise(tmp_path: Path) -> None:

@@ -40,10 +40,12 @@ pub fn decode(data: &[u8], limit: usize) -> Decoded<Image> {
     let (width, height) = (usize::from(info.width), usize::from(info.height));
     let grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
     let (colour, channels) = if grey { (ColorSpace::Luma, 1) } else { (ColorSpace::RGB, 3) };
-    let mut samples = vec![0; checked_bytes(width, height, channels, limit)?];
+    let mut samples = Samples::eight(checked_bytes(width, height, channels, limit)?);
     decoder.set_options(options().jpeg_set_out_colorspace(colour));
-    decoder.decode_into(&mut samples).map_err(refusal)?;
-    Ok(Image { height, width, channels, samples: Samples::Eight(samples) })
+    if let Samples::Eight(samples) = &mut samples {
+        decoder.decode_into(samples).map_err(refusal)?;
+    }
+    Ok(Image { height, width, channels, samples })
 }
 
 /// Bytes of 1-bits, stuffed, that end entropy-coded data too early for the pixels declared: no Huffman code consists of ones alone.
@@ -69,7 +71,7 @@ fn stopped(data: &[u8]) -> Decoded<Vec<u8>> {
 fn end_of_image(data: &[u8]) -> Decoded<(usize, bool)> {
     let (mut at, mut progressive) = (2, false);
     loop {
-        at += data[at..].iter().position(|&byte| byte == 0xff).ok_or(TRUNCATED)?;
+        at = next_marker(data, at).ok_or(TRUNCATED)?;
         match *data.get(at + 1).ok_or(TRUNCATED)? {
             END_OF_IMAGE => return Ok((at, progressive)),
             0xff => at += 1,
@@ -84,4 +86,13 @@ fn end_of_image(data: &[u8]) -> Decoded<(usize, bool)> {
             return Err(TRUNCATED.into());
         }
     }
+}
+
+/// The next byte of ones from `at` on, looked for in many at once.
+fn next_marker(data: &[u8], at: usize) -> Option<usize> {
+    const MANY: usize = 32;
+    let (blocks, rest) = data.get(at..)?.as_chunks::<MANY>();
+    let before = blocks.iter().position(|block| block.iter().fold(false, |found, &byte| found | (byte == 0xff)));
+    let from = before.map_or(data.len() - rest.len(), |block| at + block * MANY);
+    Some(from + data[from..].iter().position(|&byte| byte == 0xff)?)
 }

@@ -76,15 +76,17 @@ impl<S: Surface> Placing<'_, S> {
         let turns = sight.turns();
         let by_radius = Slope::of(&outwards, &ray, &contact, turns, distance);
         let by_clock = Slope::of(&clockwise, &ray, &contact, turns, distance);
-        let direction = pixels.direction.unwrap_or([&[], &[]]).map(|part| Lanes::load(&part[from..]));
-        let along = [by_radius.by_pixel(&sight), by_clock.by_pixel(&sight)].map(|by| by[0] * direction[0] + by[1] * direction[1]);
+        let [du, dv] = pixels.direction.unwrap_or([&[], &[]]);
+        let (du, dv) = (Lanes::load(&du[from..]), Lanes::load(&dv[from..]));
+        let ([radius_by_u, radius_by_v], [clock_by_u, clock_by_v]) = (by_radius.by_pixel(&sight), by_clock.by_pixel(&sight));
+        let (along, turn) = (radius_by_u * du + radius_by_v * dv, clock_by_u * du + clock_by_v * dv);
         for (k, mode) in self.modes.iter().enumerate() {
             let motion = mode.motion((&rig.surface, &rig.mount), &contact, &sight, distance);
             by_radius.change(&motion).store(&mut self.to.radial[k][from..]);
             by_clock.change(&motion).store(&mut self.to.turned[k][from..]);
         }
         let [x, y, z] = point;
-        let columns = [x, y, z, radius, clock(x, y), along[0], along[1], sight.cosine];
+        let columns = [x, y, z, radius, clock(x, y), along, turn, sight.cosine];
         columns.into_iter().zip(&mut self.to.columns).for_each(|(values, column)| values.store(&mut column[from..]));
         self.to.status[from..].iter_mut().zip(status).for_each(|(to, status)| *to = status);
     }
