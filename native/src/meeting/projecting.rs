@@ -43,7 +43,7 @@ impl Projector {
     }
 
     fn image_radius(&self, zenith: f64) -> f64 {
-        if !(zenith < self.last) {
+        if zenith.is_nan() || zenith >= self.last {
             return f64::NAN;
         }
         let q = self.k * ratio(self.law, zenith) / self.half_height;

@@ -55,7 +55,7 @@ pub fn line_on_cone(stripe: &Stripe, rig: &Rig, (prior, enlargements): (f64, Enl
         v: either(&line.v, stripe.v),
         u_position: either(&narrowed, &line.noise),
         enlargement: margin.iter().map(|&margin| enlargements.at(margin)).collect(),
-        grazing: (0..n).map(|i| stripe.status[i] <= status::SATURATED && !(margin[i] > MEASURABLE)).collect(),
+        grazing: (0..n).map(|i| stripe.status[i] <= status::SATURATED && (margin[i].is_nan() || margin[i] <= MEASURABLE)).collect(),
         branch,
     }
 }
