@@ -30,6 +30,8 @@ SETTLED = 0.5
 MOST_RECENTRINGS = 8
 FEWEST_TO_CENTRE = 8
 """Coarse rays on which the line must be seen to find its centre."""
+LEARNT = 256
+"""Rays across a line, at least, from which the noise is learnt: about as many as round a ring."""
 UNCLEAR = 0.5
 """Noise that asks peaks to be higher than this fraction of white leaves no room for a ring."""
 
@@ -73,7 +75,8 @@ def line_numpy(picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:
     """The line that crosses `picture` from left to right, or runs `down` it."""
     rays = (rows if down else columns)(picture.image.shape)
     settings = first_settings(picture, rays, estimator)
-    settings = learn_noise(picture, rays, scan(picture.plane(), rays, settings.plain()), settings)
+    few = rays.every(max(1, rays.count // LEARNT))
+    settings = learn_noise(picture, few, scan(picture.plane(), few, settings.plain()), settings)
     sight = _sight(picture, rays, scan(picture.plane(), rays, settings), settings.noise.width)
     return _measure(picture, sight, settings)
 
