@@ -38,6 +38,8 @@ mod statistics;
 mod trace;
 mod vectors;
 mod walk;
+#[cfg(target_arch = "x86_64")]
+mod walk_wide;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

@@ -14,7 +14,7 @@ const SETTLED: f64 = 0.5;
 const MOST_RECENTRINGS: usize = 8;
 const FEWEST_TO_CENTRE: usize = 8;
 const UNCLEAR: f64 = 0.5;
-const LEARNT: usize = 256;
+const LEARNT: usize = 192;
 
 const OUTSIDE: &str = "The region where the ring is expected lies outside the image.";
 const NOTHING: &str = "There is no laser ring in the image: nothing stands out from its background.";
@@ -82,15 +82,17 @@ fn approach<T: Grey>(plane: &Plane<T>, ring: &mut Annulus, estimator: Estimator)
 pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator, down: bool) -> Result<Line, &'static str> {
     let rays = if down { Rays::rows(plane.width, plane.height) } else { Rays::columns(plane.width, plane.height) };
     let settings = first_settings(plane, &rays, estimator).ok_or(OUTSIDE)?;
-    let few = rays.every((rays.rays.len() / LEARNT).max(1));
+    let stride = (rays.rays.len() / LEARNT).clamp(1, COARSE);
+    let few = rays.every(stride);
     let found = scan(plane, &few, &settings.plain(), |_| (0, few.samples));
     let settings = learn_noise(plane, &few, &found, settings);
-    Ok(Sight::along(plane, &rays, &settings, |_| (0, rays.samples)).line(plane, &rays, settings))
+    let spans = guided_spans(&found, few.samples, few.spacing, 0.0);
+    Ok(Sight::along(plane, &rays, &settings, |ray| spans[ray / stride]).line(plane, &rays, settings))
 }
 
 /// Centre of the line in sight, by the rays that are `counted` (one for each ray of the dense set).
 fn centre_of(rays: &Rays, sight: &Sight, counted: &[bool]) -> Result<[f64; 2], &'static str> {
-    let (mut points, mut index) = (Vec::new(), Vec::new());
+    let (mut points, mut index) = (Vec::with_capacity(rays.rays.len()), Vec::with_capacity(rays.rays.len()));
     let counted = counted.iter().step_by(rays.stride);
     for (i, ((ray, chosen), counted)) in rays.rays.iter().zip(&sight.chosen).zip(counted).enumerate() {
         if *counted && chosen.status <= RESOLVED {

@@ -13,8 +13,15 @@ pub fn dark_blocks<T: Grey>(vectors: Vectors, pixels: &[T], wanted: &[T; BLOCK],
 
 #[inline(always)]
 fn dark_blocks_of<T: Grey>(pixels: &[T], wanted: &[T; BLOCK], gate: T) -> usize {
-    let blocks = pixels.as_chunks::<BLOCK>().0;
-    blocks.iter().position(|block| any_bright(block, wanted, gate)).unwrap_or(blocks.len())
+    // a closure given to `position` would be compiled without the vector instructions
+    let mut dark = 0;
+    for block in pixels.as_chunks::<BLOCK>().0 {
+        if any_bright(block, wanted, gate) {
+            break;
+        }
+        dark += 1;
+    }
+    dark
 }
 
 /// No loop that ends early: this one is a few vector instructions.

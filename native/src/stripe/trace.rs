@@ -4,10 +4,8 @@ use super::rays::Track;
 use super::row::dark_blocks;
 use super::sampling::{Grey, Plane, BLOCK, STRIDE};
 use super::vectors::Vectors;
-use super::walk::{lit, GROUP};
+use super::walk::{lit, CHUNK, GROUP};
 
-/// Samples whose brightness is noted together, one bit each.
-const CHUNK: usize = u64::BITS as usize;
 /// First and last sample of a bright stretch.
 pub type Stretch = (usize, usize);
 
