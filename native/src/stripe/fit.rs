@@ -24,9 +24,8 @@ pub struct Fit {
     bell: Vec<f64>,
     /// Speckle correlation at sample distances 1, 2, ... up to where it has faded.
     correlation: Vec<f64>,
-    /// Of every sample: the Gaussian, the line and the slope of the line.
-    shape: [Lanes; MOST],
     line: [Lanes; MOST],
+    /// Gaussian of every sample, then its slope.
     slope: [Lanes; MOST],
     /// Weights of the samples, then the functional that moves the peak.
     functional: [Lanes; MOST],
@@ -48,7 +47,6 @@ impl Fit {
             white: Lanes::all(settings.saturated_from()),
             bell: (0..=half).map(|d| (-0.5 * square(d) * inverse).exp()).collect(),
             correlation: (1..=2 * half).map(shared).take_while(|&c| c > UNCORRELATED).collect(),
-            shape: [Lanes::ZERO; MOST],
             line: [Lanes::ZERO; MOST],
             slope: [Lanes::ZERO; MOST],
             functional: [Lanes::ZERO; MOST],
@@ -61,25 +59,14 @@ impl Fit {
 
     /// The step for (amplitude, position, background) along position, leaving its functional behind; NaN where the samples fix no place.
     pub fn step(&mut self, batch: &Batch) -> Lanes {
-        self.model(batch);
-        self.step_with(batch, self.additive)
-    }
-
-    /// What the line looks like by its model, for all steps from the same places.
-    pub fn model(&mut self, batch: &Batch) {
         let fit = self;
-        vectorised!(fit.vectors, model(fit: &mut Fit, batch: &Batch))
-    }
-
-    /// The step as if the `additive` noise were this; the model of the line is known.
-    pub fn step_with(&mut self, batch: &Batch, additive: Lanes) -> Lanes {
-        let fit = self;
-        vectorised!(fit.vectors, step(fit: &mut Fit, batch: &Batch, additive: Lanes) -> Lanes)
+        vectorised!(fit.vectors, step(fit: &mut Fit, batch: &Batch) -> Lanes)
     }
 
     #[inline(always)]
-    fn stepped(&mut self, batch: &Batch, additive: Lanes) -> Lanes {
-        let [amplitude, position, level] = inverse_row(self.normal(batch, additive));
+    fn stepped(&mut self, batch: &Batch) -> Lanes {
+        self.gaussian(batch);
+        let [amplitude, position, level] = inverse_row(self.normal(batch));
         let amplitude = amplitude / batch.shape.height;
         let mut moved = Lanes::ZERO;
         let samples = self.functional.iter_mut().zip(&self.line).zip(&self.slope).zip(batch.to_fit(self.half));
@@ -100,37 +87,34 @@ impl Fit {
         let top = (Lanes::all(-0.5) * offset * batch.offset).exponential();
         for (k, &bell) in self.bell.iter().enumerate() {
             let bell = Lanes::all(bell) * top;
-            (self.shape[self.half + k], self.shape[self.half - k]) = (bell * right, bell * left);
+            (self.slope[self.half + k], self.slope[self.half - k]) = (bell * right, bell * left);
             right *= decay;
             left *= growth;
         }
-        let mut z = (batch.offset - Lanes::all(self.half as f64)) * self.inverse;
-        for ((shape, line), slope) in self.shape.iter().zip(&mut self.line).zip(&mut self.slope).take(2 * self.half + 1) {
-            *line = batch.shape.height * *shape;
-            *slope = *line * z;
-            z += self.inverse;
-        }
     }
 
-    /// Normal matrix (aa, ab, ac, bb, bc, cc) of the fit; leaves the weight of every sample behind. Samples that are saturated or outside
-    /// the picture weigh nothing.
+    /// Normal matrix (aa, ab, ac, bb, bc, cc) of the fit; leaves line, slope and weight of every sample behind. Samples that are saturated
+    /// or outside the picture weigh nothing.
     #[inline(always)]
-    fn normal(&mut self, batch: &Batch, additive: Lanes) -> [Lanes; 6] {
+    fn normal(&mut self, batch: &Batch) -> [Lanes; 6] {
         let (mut aa, mut ab, mut ac, mut bb, mut bc, mut cc) =
             (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-        let model = self.shape.iter().zip(&self.line).zip(&self.slope);
-        for (((shape, line), slope), (weight, sample)) in
-            model.zip(self.functional.iter_mut().zip(batch.to_fit(self.half))).take(2 * self.half + 1)
-        {
-            let variance = additive + (self.gain + self.contrast * *line) * *line;
+        let mut z = (batch.offset - Lanes::all(self.half as f64)) * self.inverse;
+        let samples = self.line.iter_mut().zip(&mut self.slope).zip(&mut self.functional).zip(batch.to_fit(self.half));
+        for (((line, slope), weight), sample) in samples.take(2 * self.half + 1) {
+            let shape = *slope;
+            *line = batch.shape.height * shape;
+            *slope = *line * z;
+            let variance = self.additive + (self.gain + self.contrast * *line) * *line;
             *weight = (Lanes::all(1.0) / variance).where_less(*sample, self.white);
-            let (wa, wb) = (*weight * *shape, *weight * *slope);
-            aa += wa * *shape;
+            let (wa, wb) = (*weight * shape, *weight * *slope);
+            aa += wa * shape;
             ab += wa * *slope;
             ac += wa;
             bb += wb * *slope;
             bc += wb;
             cc += *weight;
+            z += self.inverse;
         }
         [aa, ab, ac, bb, bc, cc]
     }
@@ -163,13 +147,8 @@ impl Fit {
 }
 
 #[inline(always)]
-fn model(fit: &mut Fit, batch: &Batch) {
-    fit.gaussian(batch);
-}
-
-#[inline(always)]
-fn step(fit: &mut Fit, batch: &Batch, additive: Lanes) -> Lanes {
-    fit.stepped(batch, additive)
+fn step(fit: &mut Fit, batch: &Batch) -> Lanes {
+    fit.stepped(batch)
 }
 
 #[inline(always)]

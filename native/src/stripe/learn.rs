@@ -75,17 +75,16 @@ fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settin
     }
     let mut heights: Vec<f64> = found.highest().flatten().map(|peak| peak.height).collect();
     let height = median(&mut heights);
-    let additive = |fraction: f64| settings.noise.additive.max((fraction * height) * (fraction * height));
-    let scatter_of = |places: &[f64]| neighbour_scatter(places, settings.noise.width, rays.spacing, settings.vectors);
-    let tried = places_near(plane, rays, found, &settings, FLOORS.map(additive));
-    let least = if tried[0].1 <= LOST {
-        Some((scatter_of(&tried[0].0), FLOORS[0]))
-    } else {
-        let [(places, lost)] = places_near(plane, rays, found, &settings, [additive(RAISED)]);
-        (lost <= LOST).then(|| (scatter_of(&places), RAISED))
+    let with_floor = |fraction: f64| {
+        let additive = settings.noise.additive.max((fraction * height) * (fraction * height));
+        Settings { noise: Noise { additive, ..settings.noise.clone() }, ..settings.clone() }
     };
-    let higher = [1, 2].map(|k| (scatter_of(&tried[k].0), FLOORS[k]));
-    let best = least.into_iter().chain(higher).reduce(|best, next| if next.0 < best.0 { next } else { best });
-    let additive = additive(best.map_or(RAISED, |(_, floor)| floor));
-    Settings { noise: Noise { additive, ..settings.noise }, ..settings }
+    // to fit once more takes less time than to know first whether it is wanted
+    let floors = [FLOORS[0], FLOORS[1], FLOORS[2], RAISED];
+    let tried = places_near(plane, rays, found, &settings, &floors.map(with_floor));
+    let least = [0, 3].into_iter().find(|&k| tried[k].1 <= LOST);
+    let scatter_of = |k: usize| neighbour_scatter(&tried[k].0, settings.noise.width, rays.spacing, settings.vectors);
+    let scatters = least.into_iter().chain([1, 2]).map(|k| (scatter_of(k), floors[k]));
+    let best = scatters.reduce(|best, next| if next.0 < best.0 { next } else { best });
+    with_floor(best.map_or(RAISED, |(_, floor)| floor))
 }

@@ -3,7 +3,7 @@
 use super::batch::Batch;
 use super::describe::describe;
 use super::fit::Fit;
-use super::lanes::{Lanes, LANES};
+use super::lanes::LANES;
 use super::peak::{margin, Finder};
 use super::rays::Rays;
 use super::refine::{has_left, moved_place};
@@ -19,32 +19,30 @@ pub struct Near<'a, const N: usize> {
     /// Peaks as they come, and those kept, not yet fitted.
     batch: Batch,
     kept: Batch,
-    fit: Fit,
     trials: [Trial; N],
     peaks: usize,
 }
 
-/// Places under one additive noise, NaN on rays without a peak; and how many of them the step to the model's place has left.
+/// Places under one noise model, NaN on rays without a peak; and how many of them the step to the model's place has left.
 struct Trial {
-    additive: Lanes,
+    fit: Fit,
     places: Vec<f64>,
     lost: usize,
 }
 
-/// Places near the candidates `found` under `settings` but for every one of these `additive` noises, NaN on rays without a peak; and the share
-/// of them that the step to the model's place has left.
+/// Places near the candidates `found` under every one of the `trials`, which differ in additive noise only, NaN on rays without a peak; and the
+/// share of them that the step to the model's place has left.
 pub fn places_near<T: Grey, const N: usize>(
     plane: &Plane<T>,
     rays: &Rays,
     found: &Candidates,
     settings: &Settings,
-    additive: [f64; N],
+    trials: &[Settings; N],
 ) -> [(Vec<f64>, f64); N] {
     let (gate, margin, reach) = (gate_of(settings), margin(settings), 2 * settings.reach() as i64);
     let (mut finder, mut trace) = (Finder::new(settings), Trace::new(rays.samples));
-    let trial = |additive| Trial { additive: Lanes::all(additive), places: vec![f64::NAN; rays.rays.len()], lost: 0 };
-    let (batch, kept, fit) = (Batch::new(settings), Batch::new(settings), Fit::new(settings));
-    let mut near = Near { settings, batch, kept, fit, trials: additive.map(trial), peaks: 0 };
+    let trials = trials.each_ref().map(|trial| Trial { fit: Fit::new(trial), places: vec![f64::NAN; rays.rays.len()], lost: 0 });
+    let mut near = Near { settings, batch: Batch::new(settings), kept: Batch::new(settings), trials, peaks: 0 };
     for (index, (ray, highest)) in rays.rays.iter().zip(found.highest()).enumerate() {
         let Some(peak) = highest else { continue };
         let middle = floor(peak.position);
@@ -89,9 +87,8 @@ impl<const N: usize> Near<'_, N> {
     /// Fits those kept under every trial.
     fn fit(&mut self) {
         let kept = &mut self.kept;
-        self.fit.model(kept);
         for trial in &mut self.trials {
-            let moved = self.fit.step_with(kept, trial.additive);
+            let moved = trial.fit.step(kept);
             for lane in 0..kept.filled {
                 trial.places[kept.rays[lane]] = moved_place(kept.position.0[lane], moved.0[lane]);
                 trial.lost += usize::from(has_left(moved.0[lane]));
