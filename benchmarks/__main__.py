@@ -29,6 +29,7 @@ PARTS = {
     "kernel_peers": Part("kernel_peers.rings", pinned=True, in_report=True),
     "side_facing": Part("side_facing.report", pinned=True, in_report=True),
     "side_facing_peers": Part("kernel_peers.rows", pinned=True, in_report=True),
+    "tracked": Part("tracked.report", pinned=True, in_report=True),
     "triangulation": Part("triangulation.report", in_report=True),
     "end_to_end_one": Part("end_to_end.report", (1,), pinned=True, in_report=True),
     "end_to_end_two": Part("end_to_end.report", (2,), in_report=True),

@@ -28,14 +28,18 @@ mod rays;
 mod refine;
 mod ridge;
 mod ring;
+mod row;
 mod sampling;
 mod scan;
 mod scatter;
 mod settings;
+mod sparse;
 mod statistics;
 mod trace;
 mod vectors;
 mod walk;
+#[cfg(target_arch = "x86_64")]
+mod walk_wide;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

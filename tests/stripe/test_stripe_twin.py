@@ -14,7 +14,7 @@ from calibore.stripe import Stripe, detect_line, detect_ring, estimator_named
 from calibore.stripe._features import freed_of_features
 from calibore.stripe._kernel import DEFAULT_KERNEL
 from calibore.stripe._picture import prepare
-from calibore.stripe._twin import Annulus, ring_numpy
+from calibore.stripe._twin import Annulus, line_numpy, ring_numpy
 
 SIMULATED = Path(__file__).parents[2].parent / "shared" / "data" / "simulated"
 SIDE = SIMULATED / "side-2.4in"
@@ -189,3 +189,28 @@ def test_the_guided_scan_finds_what_a_full_one_finds(folder: str) -> None:
     np.testing.assert_array_equal(found.found, full.found)
     np.testing.assert_allclose([found.u, found.v], [full.u, full.v], atol=1e-9)
     assert np.mean(found.status != full.status) <= 0.005, "specks between coarse rays may go unseen"
+
+
+@pytest.mark.skipif(not SIDE.exists(), reason="needs the shared side-facing survey")
+@pytest.mark.parametrize("stop", [0, 300])
+def test_the_guided_scan_of_a_line_finds_what_a_full_one_finds(stop: int) -> None:
+    image = read_image(SIDE / f"side 000 {stop:03d} 0.png")
+    full = line_numpy(prepare(image, "red"), estimator_named("zero-crossing"), down=True, guided=False)
+    found = detect_line(image, down=True, channel="red")
+    np.testing.assert_array_equal(found.found, full.found)
+    np.testing.assert_allclose([found.u, found.v], [full.u, full.v], atol=1e-4)
+    assert np.mean(found.status != full.status) <= 0.005, "specks between coarse rays may go unseen"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_line_that_leaps_and_is_torn_between_coarse_rays_is_found_by_the_guided_scan(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    place = 60.0 + 0.05 * np.arange(1200) + 25.0 * (np.arange(1200) >= rng.integers(300, 900))
+    row = np.arange(180)[:, None]
+    light = 8 + 150 * np.exp(-((row - place) ** 2) / 8) * (rng.uniform(size=1200) > 0.1)
+    light[20:23, rng.integers(0, 1200, 40)] += 200  # specks
+    image = np.clip(np.rint(light + rng.normal(size=light.shape)), 0, 255).astype(np.uint8)
+    full = line_numpy(prepare(image, "luma"), estimator_named("zero-crossing"), down=False, guided=False)
+    found = detect_line(image)
+    np.testing.assert_array_equal(found.found, full.found)
+    np.testing.assert_allclose(found.v, full.v, atol=1e-4)

@@ -7,8 +7,8 @@ use super::sampling::{Grey, Plane};
 use super::scan::Candidates;
 use super::scatter::neighbour_scatter;
 use super::settings::{Estimator, Noise, Settings, PUBLISHED_WINDOW};
-use super::statistics::{median, Histogram};
-use super::walk::nearest;
+use super::sparse::Sparse;
+use super::statistics::median;
 
 const PUBLISHED_THRESHOLD: f64 = 45.0;
 pub const SPARSE: usize = 48;
@@ -30,26 +30,12 @@ const USUAL_GAIN: f64 = 0.05;
 
 /// Settings for the first look, from a sparse sample of the search region; none where all of it is outside.
 pub fn first_settings<T: Grey>(plane: &Plane<T>, rays: &Rays, estimator: Estimator) -> Option<Settings> {
-    let (mut values, mut differences) = (Histogram::new(T::WHITE), Histogram::new(T::WHITE));
-    let (mut brightest, mut line) = (Vec::new(), Vec::new());
-    for ray in rays.rays.iter().step_by((rays.rays.len() / SPARSE).max(1)) {
-        let track = ray.track();
-        let (first, end) = track.inside(plane.width, plane.height, rays.samples);
-        line.clear();
-        match plane.aligned(&track, first) {
-            Some((pixels, pace)) => line.extend(pixels.iter().step_by(pace).take(end - first).map(|pixel| pixel.level())),
-            None => nearest(plane, (track.at(first), track.step), end - first, &mut line),
-        }
-        values.add(&line);
-        brightest.extend(line.iter().max().map(|&value| f64::from(value)));
-        (2..line.len()).for_each(|k| line[k - 2] = line[k - 2].abs_diff(line[k]));
-        differences.add(&line[..line.len().saturating_sub(2)]);
-    }
-    if brightest.is_empty() {
+    let mut sparse = Sparse::of(plane, rays, (rays.rays.len() / SPARSE).max(1));
+    if sparse.brightest.is_empty() {
         return None;
     }
-    let (floor, noise) = (values.ranked(FLOOR_RANK), background_noise(differences.ranked(2)));
-    let level = (median(&mut brightest) - floor).max(0.0);
+    let (floor, noise) = (sparse.values.ranked(FLOOR_RANK), background_noise(sparse.differences.ranked(2)));
+    let level = (median(&mut sparse.brightest) - floor).max(0.0);
     let prominence = (PROMINENT * noise).max(FAINTEST * level);
     let white = f64::from(T::WHITE);
     let threshold = if estimator == Estimator::Parabola { PUBLISHED_THRESHOLD * white / 255.0 } else { 0.0 };

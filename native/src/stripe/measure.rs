@@ -7,7 +7,6 @@ use super::sampling::{Grey, Plane};
 use super::scan::{scan, Candidates};
 use super::scatter;
 use super::settings::{Estimator, Noise, Settings};
-use super::trace::Look;
 
 /// The measured line (see the Python class `Stripe`).
 pub struct Line {
@@ -29,9 +28,9 @@ pub struct Sight {
 }
 
 impl Sight {
-    /// Peaks of every ray are looked for where `look` says.
-    pub fn along<'a, T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, look: impl Fn(usize) -> Look<'a>) -> Sight {
-        Sight::among(plane, rays, scan(plane, rays, settings, look), settings.noise.width)
+    /// Peaks of every ray are looked for within its `span` of samples.
+    pub fn along<T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, span: impl Fn(usize) -> (usize, usize)) -> Sight {
+        Sight::among(plane, rays, scan(plane, rays, settings, span), settings.noise.width)
     }
 
     pub fn among<T: Grey>(plane: &Plane<T>, rays: &Rays, candidates: Candidates, width: f64) -> Sight {

@@ -11,7 +11,7 @@ use super::sampling::{Grey, Plane};
 use super::scan::{gate_of, Candidates};
 use super::settings::Settings;
 use super::statistics::floor;
-use super::trace::{Look, Trace};
+use super::trace::Trace;
 
 /// The highest peak near each ray's highest candidate, fitted under several trials.
 pub struct Near<'a, const N: usize> {
@@ -48,7 +48,7 @@ pub fn places_near<T: Grey, const N: usize>(
         let middle = floor(peak.position);
         let end = ((middle + reach + 2).max(0) as usize).min(rays.samples);
         let span = ((middle - reach).max(0) as usize, end);
-        trace.read(plane, &ray.track(), Look::Within(span), gate, margin);
+        trace.read(plane, &ray.track(), span, gate, margin);
         finder.crossings(&trace, |position| {
             if near.batch.add(trace.values(), position, index) {
                 near.keep();

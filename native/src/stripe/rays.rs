@@ -77,6 +77,12 @@ pub struct Rays {
 }
 
 impl Rays {
+    /// Every `stride`-th ray.
+    pub fn every(&self, stride: usize) -> Rays {
+        let rays = self.rays.iter().step_by(stride).copied().collect();
+        Rays { rays, spacing: self.spacing * stride as f64, stride: self.stride * stride, ..*self }
+    }
+
     /// One ray down every pixel column.
     pub fn columns(width: usize, height: usize) -> Rays {
         let rays = (0..width).map(|column| Ray { start: [column as f64, 0.0], direction: [0.0, 1.0] }).collect();

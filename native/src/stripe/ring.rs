@@ -7,14 +7,14 @@ use super::learn::{first_settings, learn_noise, SPARSE};
 use super::measure::{Line, Sight};
 use super::rays::{Annulus, Rays};
 use super::sampling::{Grey, Plane};
-use super::scan::{gate_of, scan, Candidates};
+use super::scan::{scan, Candidates};
 use super::settings::{Estimator, Settings};
-use super::trace::{Bright, Look};
 
 const SETTLED: f64 = 0.5;
 const MOST_RECENTRINGS: usize = 8;
 const FEWEST_TO_CENTRE: usize = 8;
 const UNCLEAR: f64 = 0.5;
+const LEARNT: usize = 192;
 
 const OUTSIDE: &str = "The region where the ring is expected lies outside the image.";
 const NOTHING: &str = "There is no laser ring in the image: nothing stands out from its background.";
@@ -28,7 +28,7 @@ pub fn measure<T: Grey>(plane: &Plane<T>, mut ring: Annulus, estimator: Estimato
     let mut recentrings = 0;
     loop {
         let (rays, spans) = (ring.every(1), approach.spans(ring.centre));
-        let sight = Sight::along(plane, &rays, &settings, |ray| Look::Within(spans[ray / COARSE]));
+        let sight = Sight::along(plane, &rays, &settings, |ray| spans[ray / COARSE]);
         let centre = centre_of(&rays, &sight, ring.counted)?;
         recentrings += 1;
         if distance(centre, ring.centre) < SETTLED || recentrings == MOST_RECENTRINGS {
@@ -62,7 +62,7 @@ fn approach<T: Grey>(plane: &Plane<T>, ring: &mut Annulus, estimator: Estimator)
     let mut recentrings = 0;
     loop {
         let rays = ring.every(COARSE);
-        let found = scan(plane, &rays, &settings.plain(), |_| Look::Within((0, rays.samples)));
+        let found = scan(plane, &rays, &settings.plain(), |_| (0, rays.samples));
         if found.peaks.is_empty() {
             return Err(NOTHING);
         }
@@ -82,15 +82,17 @@ fn approach<T: Grey>(plane: &Plane<T>, ring: &mut Annulus, estimator: Estimator)
 pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator, down: bool) -> Result<Line, &'static str> {
     let rays = if down { Rays::rows(plane.width, plane.height) } else { Rays::columns(plane.width, plane.height) };
     let settings = first_settings(plane, &rays, estimator).ok_or(OUTSIDE)?;
-    let bright = Bright::along(plane, &rays, gate_of(&settings));
-    let found = scan(plane, &rays, &settings.plain(), |ray| bright.of(ray));
-    let settings = learn_noise(plane, &rays, &found, settings);
-    Ok(Sight::along(plane, &rays, &settings, |ray| bright.of(ray)).line(plane, &rays, settings))
+    let stride = (rays.rays.len() / LEARNT).clamp(1, COARSE);
+    let few = rays.every(stride);
+    let found = scan(plane, &few, &settings.plain(), |_| (0, few.samples));
+    let settings = learn_noise(plane, &few, &found, settings);
+    let spans = guided_spans(&found, few.samples, few.spacing, 0.0);
+    Ok(Sight::along(plane, &rays, &settings, |ray| spans[ray / stride]).line(plane, &rays, settings))
 }
 
 /// Centre of the line in sight, by the rays that are `counted` (one for each ray of the dense set).
 fn centre_of(rays: &Rays, sight: &Sight, counted: &[bool]) -> Result<[f64; 2], &'static str> {
-    let (mut points, mut index) = (Vec::new(), Vec::new());
+    let (mut points, mut index) = (Vec::with_capacity(rays.rays.len()), Vec::with_capacity(rays.rays.len()));
     let counted = counted.iter().step_by(rays.stride);
     for (i, ((ray, chosen), counted)) in rays.rays.iter().zip(&sight.chosen).zip(counted).enumerate() {
         if *counted && chosen.status <= RESOLVED {

@@ -11,9 +11,8 @@ pub trait Grey:
     Copy + PartialOrd + BitAnd<Output = Self> + Into<f64> + Into<i64> + Into<u32> + TryFrom<u32> + Default + Send + Sync + 'static
 {
     const WHITE: u32;
-    /// White at every `STRIDE`-th value, black between: the samples of a grey row that can be bright; and of a row of three bands.
-    const GREY_ROW: &'static [Self; BLOCK];
-    const COLOUR_ROW: &'static [Self; BLOCK];
+    /// White at every `pace`-th value, black between: those of one band in a row of one or three, or the samples of it that are looked at.
+    fn white_at_every(pace: usize) -> Option<&'static [Self; BLOCK]>;
 
     #[inline(always)]
     fn level(self) -> u32 {
@@ -44,8 +43,11 @@ macro_rules! grey {
     ($($kind:ident $pair:item),*) => {$(
         impl Grey for $kind {
             const WHITE: u32 = $kind::MAX as u32;
-            const GREY_ROW: &'static [Self; BLOCK] = &white_at_every!($kind, STRIDE);
-            const COLOUR_ROW: &'static [Self; BLOCK] = &white_at_every!($kind, 3 * STRIDE);
+            fn white_at_every(pace: usize) -> Option<&'static [Self; BLOCK]> {
+                static ROWS: [[$kind; BLOCK]; 4] =
+                    [white_at_every!($kind, 1), white_at_every!($kind, STRIDE), white_at_every!($kind, 3), white_at_every!($kind, 3 * STRIDE)];
+                [1, STRIDE, 3, 3 * STRIDE].iter().position(|known| *known == pace).map(|which| &ROWS[which])
+            }
             #[inline(always)]
             $pair
         }

@@ -5,7 +5,7 @@ use super::rays::Rays;
 use super::refine::Refiner;
 use super::sampling::{Grey, Plane};
 use super::settings::Settings;
-use super::trace::{Look, Trace};
+use super::trace::Trace;
 
 /// Candidates kept per ray.
 const MOST_PEAKS: usize = 4;
@@ -68,15 +68,15 @@ pub fn gate_of(settings: &Settings) -> u32 {
     settings.gate.ceil() as u32
 }
 
-/// Candidates of every ray, looked for where `look` says.
-pub fn scan<'a, T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, look: impl Fn(usize) -> Look<'a>) -> Candidates {
+/// Candidates of every ray, looked for within its `span` of samples (first, end).
+pub fn scan<T: Grey>(plane: &Plane<T>, rays: &Rays, settings: &Settings, span: impl Fn(usize) -> (usize, usize)) -> Candidates {
     let count = rays.rays.len();
     let (mut found, mut trace) =
         (Candidates { peaks: Vec::with_capacity(count), ends: Vec::with_capacity(count) }, Trace::new(rays.samples));
     let (mut finder, mut refiner) = (Finder::new(settings), Refiner::new(settings));
     let (gate, margin) = (gate_of(settings), margin(settings));
     for (index, ray) in rays.rays.iter().enumerate() {
-        trace.read(plane, &ray.track(), look(index), gate, margin);
+        trace.read(plane, &ray.track(), span(index), gate, margin);
         finder.crossings(&trace, |position| refiner.add(trace.values(), position, index, &mut found));
     }
     refiner.finish(&mut found);

@@ -1,45 +1,13 @@
 //! Which samples of a ray may belong to a peak, and their brightness (see the Python module `_scan`).
 
-use super::rays::{Ray, Rays, Track};
+use super::rays::Track;
+use super::row::dark_blocks;
 use super::sampling::{Grey, Plane, BLOCK, STRIDE};
-use super::vectors::{vectorised, Vectors};
-use super::walk::{lit, GROUP};
+use super::vectors::Vectors;
+use super::walk::{lit, CHUNK, GROUP};
 
-/// Samples whose brightness is noted together, one bit each.
-const CHUNK: usize = u64::BITS as usize;
 /// First and last sample of a bright stretch.
 pub type Stretch = (usize, usize);
-
-/// Where on a ray peaks are looked for: within a span (first, end sample), or at stretches that are known to be bright.
-#[derive(Clone, Copy)]
-pub enum Look<'a> {
-    Within((usize, usize)),
-    At(&'a [Stretch]),
-}
-
-/// The bright stretches of all rays in their full length.
-pub struct Bright {
-    stretches: Vec<Stretch>,
-    /// Where each ray's stretches end.
-    ends: Vec<usize>,
-}
-
-impl Bright {
-    pub fn along<T: Grey>(plane: &Plane<T>, rays: &Rays, gate: u32) -> Bright {
-        let (mut trace, mut bright) = (Trace::new(0), Bright { stretches: Vec::new(), ends: Vec::with_capacity(rays.rays.len()) });
-        for track in rays.rays.iter().map(Ray::track) {
-            trace.find_bright(plane, &track, track.inside(plane.width, plane.height, rays.samples), gate);
-            bright.stretches.extend_from_slice(&trace.stretches);
-            bright.ends.push(bright.stretches.len());
-        }
-        bright
-    }
-
-    pub fn of(&self, ray: usize) -> Look<'_> {
-        let first = if ray == 0 { 0 } else { self.ends[ray - 1] };
-        Look::At(&self.stretches[first..self.ends[ray]])
-    }
-}
 
 /// Which samples of a ray are bright enough for a peak, and the bilinear brightness of those and their surroundings.
 pub struct Trace {
@@ -59,17 +27,11 @@ impl Trace {
         &self.value[..self.value.len() - GROUP]
     }
 
-    /// Reads `track` again into the same memory: stretches where `look` says, `margin` samples more on each side.
-    pub fn read<T: Grey>(&mut self, plane: &Plane<T>, track: &Track, look: Look, gate: u32, margin: usize) {
+    /// Reads `track` again into the same memory: stretches within a span (first, end sample), `margin` samples more on each side.
+    pub fn read<T: Grey>(&mut self, plane: &Plane<T>, track: &Track, span: (usize, usize), gate: u32, margin: usize) {
         let samples = self.values().len();
         let (first, end) = track.inside(plane.width, plane.height, samples);
-        match look {
-            Look::Within((from, to)) => self.find_bright(plane, track, (first.max(from), end.min(to)), gate),
-            Look::At(stretches) => {
-                self.stretches.clear();
-                self.stretches.extend_from_slice(stretches);
-            }
-        }
+        self.find_bright(plane, track, (first.max(span.0), end.min(span.1)), gate);
         let mut next = 0;
         for &(begin, last) in &self.stretches {
             let (from, to) = (begin.saturating_sub(margin).max(next), (last + margin + 1).min(samples));
@@ -90,10 +52,9 @@ impl Trace {
         let first = first.next_multiple_of(STRIDE);
         let count = end.saturating_sub(first).div_ceil(STRIDE);
         if let Some((pixels, pace)) = plane.aligned(track, first) {
-            let wanted = [(1, T::GREY_ROW), (3, T::COLOUR_ROW)].into_iter().find(|(bands, _)| pace == *bands && pace == plane.bands);
-            if let Some((bands, wanted)) = wanted {
-                let pixels = &pixels[..pixels.len().min(count * STRIDE * bands)];
-                self.bright_in_row(plane.vectors, (pixels, wanted, STRIDE * bands), first, gate);
+            if let Some(wanted) = T::white_at_every(STRIDE * pace).filter(|_| pace == plane.bands) {
+                let pixels = &pixels[..pixels.len().min(count * STRIDE * pace)];
+                self.bright_in_row(plane.vectors, (pixels, wanted, STRIDE * pace), first, gate);
                 return;
             }
             let mut pixels = pixels.iter().step_by(STRIDE * pace);
@@ -144,28 +105,4 @@ impl Trace {
             _ => self.stretches.push((begin, last)),
         }
     }
-}
-
-/// Number of whole blocks that begin `pixels` without a bright one where `wanted` is white.
-fn dark_blocks<T: Grey>(vectors: Vectors, pixels: &[T], wanted: &[T; BLOCK], gate: T) -> usize {
-    vectorised!(vectors, dark_blocks_of<T: Grey>(pixels: &[T], wanted: &[T; BLOCK], gate: T) -> usize)
-}
-
-#[inline(always)]
-fn dark_blocks_of<T: Grey>(pixels: &[T], wanted: &[T; BLOCK], gate: T) -> usize {
-    let blocks = pixels.as_chunks::<BLOCK>().0;
-    blocks.iter().position(|block| any_bright(block, wanted, gate)).unwrap_or(blocks.len())
-}
-
-/// No loop that ends early: this one is a few vector instructions.
-#[inline(always)]
-fn any_bright<T: Grey>(block: &[T; BLOCK], wanted: &[T; BLOCK], gate: T) -> bool {
-    let mut brightest = [T::default(); BLOCK / 3];
-    for (values, wanted) in block.as_chunks::<{ BLOCK / 3 }>().0.iter().zip(wanted.as_chunks::<{ BLOCK / 3 }>().0) {
-        for k in 0..BLOCK / 3 {
-            let value: T = values[k] & wanted[k];
-            brightest[k] = if value > brightest[k] { value } else { brightest[k] };
-        }
-    }
-    brightest.iter().fold(false, |any, &value| any | (value >= gate))
 }

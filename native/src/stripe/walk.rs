@@ -1,196 +1,135 @@
-//! Samples along a track, many at a time: with AVX2 where the processor has it, else one by one, with the same numbers.
+//! Samples along a track, many at a time: with AVX2 where the processor has it; else first where their pixels lie, then these, then what
+//! they make together. The numbers are the same.
 
 use super::rays::ONE;
 use super::sampling::{Grey, Plane};
+#[cfg(target_arch = "x86_64")]
+use super::walk_wide as wide;
 
 /// Parts of a pixel between which brightness is interpolated.
-const PARTS: f64 = 65536.0;
-/// Samples are read by whole groups: a loop of unforeseen length is dearer than a few samples for nothing.
+pub const PARTS: f64 = 65536.0;
+/// Samples followed at once.
+pub const CHUNK: usize = u64::BITS as usize;
+/// Samples are read by whole groups: a loop that is always as long is foreseen, and that is worth more than a few samples.
 pub const GROUP: usize = 4;
 
 /// Where samples lie in fixed point: the first one, and how far the next is.
 pub type Steps = ([i64; 2], [i64; 2]);
 
-/// Whether samples are read four at a time: places of values must fit into half a lane.
+/// Whether samples are read by AVX2: places of values must fit into half a lane.
 #[cfg(target_arch = "x86_64")]
 fn in_vectors<T: Grey>(plane: &Plane<T>) -> bool {
     plane.vectors.allowed() && u32::try_from(plane.data.len()).is_ok()
 }
 
-/// Which of up to 64 samples, all inside, have a nearest pixel of `gate` or brighter: one bit each.
-pub fn lit<T: Grey>(plane: &Plane<T>, (from, step): Steps, count: usize, gate: u32) -> u64 {
-    let steps = (from.map(|place| place + ONE / 2), step);
-    let known = u64::MAX >> (u64::BITS as usize - count);
+/// Which of up to `CHUNK` samples, all inside, have a nearest pixel of `gate` or brighter: one bit each.
+pub fn lit<T: Grey>(plane: &Plane<T>, steps: Steps, count: usize, gate: u32) -> u64 {
+    let steps = half_on(steps);
     #[cfg(target_arch = "x86_64")]
     if in_vectors(plane) {
         // SAFETY: the processor has AVX2
-        return known & unsafe { wide::lit(plane, steps, count.div_ceil(GROUP), gate) };
+        return u64::MAX >> (CHUNK - count) & unsafe { wide::lit(plane, steps, count.div_ceil(GROUP), gate) };
     }
-    let ([mut column, mut row], [right, down]) = steps;
-    let mut lit = 0;
-    for k in 0..count {
-        lit |= u64::from(plane.data[plane.index((column >> 32) as usize, (row >> 32) as usize)].level() >= gate) << k;
-        (column, row) = (column + right, row + down);
-    }
-    lit & known
+    let mut offset = [0; CHUNK];
+    let level = levels(plane, steps, &mut offset[..count]);
+    level.rev().fold(0, |lit, level| lit << 1 | u64::from(level >= gate))
 }
 
-/// Brightness of the pixels nearest to `count` samples that are inside, in place of what was in `levels`.
-pub fn nearest<T: Grey>(plane: &Plane<T>, (from, step): Steps, count: usize, levels: &mut Vec<u32>) {
-    let steps = (from.map(|place| place + ONE / 2), step);
-    levels.clear();
+/// Brightness of the pixels nearest to `count` samples that are inside, in place of what was in `line`.
+pub fn nearest<T: Grey>(plane: &Plane<T>, steps: Steps, count: usize, line: &mut Vec<u32>) {
+    let steps = half_on(steps);
+    line.clear();
     #[cfg(target_arch = "x86_64")]
     if in_vectors(plane) {
         // SAFETY: the processor has AVX2
-        unsafe { wide::nearest(plane, steps, count.div_ceil(GROUP), levels) };
-        levels.truncate(count);
-        return;
+        unsafe { wide::nearest(plane, steps, count.div_ceil(GROUP), line) };
+        return line.truncate(count);
     }
-    let ([mut column, mut row], [right, down]) = steps;
-    levels.extend((0..count).map(|_| {
-        let level = plane.data[plane.index((column >> 32) as usize, (row >> 32) as usize)].level();
+    let mut offset = [0; CHUNK];
+    for begin in (0..count).step_by(CHUNK) {
+        line.extend(levels(plane, (at(steps, begin), steps.1), &mut offset[..CHUNK.min(count - begin)]));
+    }
+}
+
+/// Samples half a pixel on, which are in the pixels nearest to these.
+fn half_on((from, step): Steps) -> Steps {
+    (from.map(|place| place + ONE / 2), step)
+}
+
+fn at((from, step): Steps, sample: usize) -> [i64; 2] {
+    std::array::from_fn(|axis| from[axis] + sample as i64 * step[axis])
+}
+
+/// Brightness of the pixels that hold as many samples as there is room for `offset`s.
+fn levels<'a, T: Grey>(plane: &'a Plane<T>, steps: Steps, offset: &'a mut [i32]) -> impl DoubleEndedIterator<Item = u32> + 'a {
+    let start = first_pixel(plane, steps);
+    offsets(plane, steps, offset);
+    offset.iter().map(move |&offset| plane.data[start.wrapping_add_signed(offset as isize)].level())
+}
+
+/// Where the pixel that holds the first sample lies in the picture.
+fn first_pixel<T: Grey>(plane: &Plane<T>, (from, _): Steps) -> usize {
+    plane.index((from[0] >> 32) as usize, (from[1] >> 32) as usize)
+}
+
+/// How far the pixels that hold samples lie from that of the first one.
+fn offsets<T: Grey>(plane: &Plane<T>, ([column, row], [right, down]): Steps, offset: &mut [i32]) {
+    let (mut column, mut row) = (column & (ONE - 1), row & (ONE - 1));
+    let (across, below) = (plane.bands as i32, (plane.bands * plane.width) as i32);
+    for offset in offset {
+        *offset = ((row >> 32) as i32).wrapping_mul(below).wrapping_add(((column >> 32) as i32).wrapping_mul(across));
         (column, row) = (column + right, row + down);
-        level
-    }));
+    }
 }
 
 /// Bilinear brightness of `count` samples that are inside and not on the last column or row, as the first of `values`; values up to a
 /// whole group are of no meaning after them.
 pub fn bilinear<T: Grey>(plane: &Plane<T>, steps: Steps, count: usize, values: &mut [f64]) {
-    let values = &mut values[..count.next_multiple_of(GROUP)];
     #[cfg(target_arch = "x86_64")]
     if in_vectors(plane) {
+        let values = &mut values[..count.next_multiple_of(GROUP)];
         // SAFETY: the processor has AVX2
-        unsafe {
-            if plane.bands == 3 {
-                wide::bilinear::<T, 3>(plane, steps, values);
-            } else {
-                wide::bilinear::<T, 0>(plane, steps, values);
-            }
-        }
-        return;
-    }
-    let ([mut column, mut row], [right, down]) = steps;
-    let pace = plane.bands * plane.width;
-    for value in &mut values[..count] {
-        let four = &plane.data[plane.index((column >> 32) as usize, (row >> 32) as usize)..];
-        let (x, y) = (f64::from(column as u32 >> 16), f64::from(row as u32 >> 16));
-        // whole numbers below 2^53: as exact as in fixed point
-        let across = |values: &[T]| {
-            let [a, b]: [f64; 2] = [values[0].into(), values[plane.bands].into()];
-            a * PARTS + x * (b - a)
+        return match plane.bands {
+            3 => unsafe { wide::bilinear::<T, 3>(plane, steps, values) },
+            _ => unsafe { wide::bilinear::<T, 0>(plane, steps, values) },
         };
-        let (upper, lower) = (across(four), across(&four[pace..]));
-        *value = (upper * PARTS + y * (lower - upper)) * (1.0 / ONE as f64);
-        (column, row) = (column + right, row + down);
+    }
+    for (number, values) in values[..count].chunks_mut(CHUNK).enumerate() {
+        let steps = (at(steps, number * CHUNK), steps.1);
+        let mut pairs = [[0; CHUNK]; 2];
+        let [upper, lower] = pairs.each_mut().map(|pairs| &mut pairs[..values.len()]);
+        match plane.bands {
+            3 => fetch::<T, 3>(plane, steps, upper, lower),
+            _ => fetch::<T, 0>(plane, steps, upper, lower),
+        }
+        interpolate::<T>(steps, upper, lower, values);
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-mod wide {
-    use super::{Grey, Plane, Steps, GROUP, ONE, PARTS};
-    use std::arch::x86_64::*;
-
-    /// Columns and rows of four samples, and where their pixels lie in the picture.
-    struct Walk {
-        place: [__m256i; 2],
-        step: [__m256i; 2],
-        pace: [__m256i; 2],
-        band: __m256i,
-        last: __m256i,
+/// The pairs of pixels about samples: those of the `upper` row, and those of the `lower` one.
+fn fetch<T: Grey, const BANDS: usize>(plane: &Plane<T>, steps: Steps, upper: &mut [u32], lower: &mut [u32]) {
+    let (mut offset, bands) = ([0; CHUNK], if BANDS > 0 { BANDS } else { plane.bands });
+    let (start, offset) = (first_pixel(plane, steps), &mut offset[..upper.len()]);
+    offsets(plane, steps, offset);
+    let below = plane.data.get(plane.bands * plane.width..).unwrap_or(&[]);
+    for ((offset, upper), lower) in offset.iter().zip(upper).zip(lower) {
+        let at = start.wrapping_add_signed(*offset as isize);
+        *upper = T::pair::<BANDS>(&plane.data[at..=at + bands], bands);
+        *lower = T::pair::<BANDS>(&below[at..=at + bands], bands);
     }
+}
 
-    impl Walk {
-        #[inline]
-        #[target_feature(enable = "avx2")]
-        fn new<T: Grey>(plane: &Plane<T>, (from, step): Steps, last: usize) -> Walk {
-            let side = |k: usize| _mm256_setr_epi64x(from[k], from[k] + step[k], from[k] + 2 * step[k], from[k] + 3 * step[k]);
-            let all = |value: i64| _mm256_set1_epi64x(value);
-            Walk {
-                place: [side(0), side(1)],
-                step: [all(4 * step[0]), all(4 * step[1])],
-                pace: [all(plane.bands as i64), all((plane.bands * plane.width) as i64)],
-                band: all(plane.band as i64),
-                last: all(last as i64),
-            }
-        }
-
-        /// Of the pixels whose columns and rows are those of the samples rounded down; at most `last`, because samples beyond the end of a
-        /// track may lie outside.
-        #[inline]
-        #[target_feature(enable = "avx2")]
-        fn index(&self) -> [usize; GROUP] {
-            let along = |k: usize| _mm256_mul_epu32(_mm256_srli_epi64::<32>(self.place[k]), self.pace[k]);
-            let at = _mm256_min_epu32(_mm256_add_epi64(_mm256_add_epi64(along(0), along(1)), self.band), self.last);
-            let (low, high) = (_mm256_castsi256_si128(at), _mm256_extracti128_si256::<1>(at));
-            let at = [_mm_cvtsi128_si64(low), _mm_extract_epi64::<1>(low), _mm_cvtsi128_si64(high), _mm_extract_epi64::<1>(high)];
-            at.map(|at| at as usize)
-        }
-
-        /// How far right of (0) or below (1) those pixels the samples lie, in `PARTS`.
-        #[inline]
-        #[target_feature(enable = "avx2")]
-        fn part(&self, axis: usize) -> __m256d {
-            let low = _mm256_permutevar8x32_epi32(self.place[axis], _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6));
-            _mm256_cvtepi32_pd(_mm_srli_epi32::<16>(_mm256_castsi256_si128(low)))
-        }
-
-        #[inline]
-        #[target_feature(enable = "avx2")]
-        fn advance(&mut self) {
-            self.place = [_mm256_add_epi64(self.place[0], self.step[0]), _mm256_add_epi64(self.place[1], self.step[1])];
-        }
-    }
-
-    #[target_feature(enable = "avx2")]
-    pub fn lit<T: Grey>(plane: &Plane<T>, steps: Steps, groups: usize, gate: u32) -> u64 {
-        let (mut walk, mut lit) = (Walk::new(plane, steps, plane.data.len() - 1), 0);
-        let below = _mm_set1_epi32(gate.min(1 << 20) as i32 - 1);
-        for group in 0..groups {
-            // SAFETY: the last place given is that of the last value
-            let level = walk.index().map(|at| unsafe { plane.data.get_unchecked(at) }.level() as i32);
-            let bright = _mm_cmpgt_epi32(_mm_setr_epi32(level[0], level[1], level[2], level[3]), below);
-            lit |= (_mm_movemask_ps(_mm_castsi128_ps(bright)) as u64) << (GROUP * group);
-            walk.advance();
-        }
-        lit
-    }
-
-    #[target_feature(enable = "avx2")]
-    pub fn nearest<T: Grey>(plane: &Plane<T>, steps: Steps, groups: usize, levels: &mut Vec<u32>) {
-        let mut walk = Walk::new(plane, steps, plane.data.len() - 1);
-        for _ in 0..groups {
-            levels.extend(walk.index().map(|at| plane.data[at].level()));
-            walk.advance();
-        }
-    }
-
-    #[target_feature(enable = "avx2")]
-    pub fn bilinear<T: Grey, const BANDS: usize>(plane: &Plane<T>, steps: Steps, values: &mut [f64]) {
-        let (pace, bands) = (plane.bands * plane.width, if BANDS > 0 { BANDS } else { plane.bands });
-        assert!(plane.data.len() > pace + bands, "a picture has at least two rows");
-        let mut walk = Walk::new(plane, steps, plane.data.len() - 1 - pace - bands);
-        let (white, shift) = (_mm_set1_epi32(T::WHITE as i32), _mm_cvtsi32_si128(T::WHITE.leading_zeros() as i32));
-        let (parts, whole) = (_mm256_set1_pd(PARTS), _mm256_set1_pd(1.0 / ONE as f64));
-        for values in values.as_chunks_mut::<GROUP>().0 {
-            let index = walk.index();
-            let (x, y) = (walk.part(0), walk.part(1));
-            let across = |below: usize| {
-                let pair = index.map(|at| {
-                    let from = at + below;
-                    // SAFETY: `at` is at most the last place given, and there are one row, the bands between two pixels and one value more behind that
-                    T::pair::<BANDS>(unsafe { plane.data.get_unchecked(from..=from + bands) }, bands) as i32
-                });
-                let pair = _mm_setr_epi32(pair[0], pair[1], pair[2], pair[3]);
-                let (a, b) = (_mm_and_si128(pair, white), _mm_srl_epi32(pair, shift));
-                let rise = _mm256_mul_pd(x, _mm256_cvtepi32_pd(_mm_sub_epi32(b, a)));
-                _mm256_add_pd(_mm256_mul_pd(_mm256_cvtepi32_pd(a), parts), rise)
-            };
-            let (upper, lower) = (across(0), across(pace));
-            let sum = _mm256_add_pd(_mm256_mul_pd(upper, parts), _mm256_mul_pd(y, _mm256_sub_pd(lower, upper)));
-            // SAFETY: the values are as many as the vector has lanes
-            unsafe { _mm256_storeu_pd(values.as_mut_ptr(), _mm256_mul_pd(sum, whole)) };
-            walk.advance();
-        }
+fn interpolate<T: Grey>(([mut column, mut row], [right, down]): Steps, upper: &[u32], lower: &[u32], values: &mut [f64]) {
+    let (white, shift) = (T::WHITE, T::WHITE.leading_zeros());
+    for ((value, &upper), &lower) in values.iter_mut().zip(upper).zip(lower) {
+        let part = |place: i64| f64::from((place as u32 >> 16) as i32);
+        // whole numbers below 2^53: as exact as in fixed point
+        let across = |pair: u32| {
+            let (a, b) = ((pair & white) as i32, (pair >> shift) as i32);
+            f64::from(a) * PARTS + part(column) * f64::from(b - a)
+        };
+        let (upper, lower) = (across(upper), across(lower));
+        *value = (upper * PARTS + part(row) * (lower - upper)) * (1.0 / ONE as f64);
+        (column, row) = (column + right, row + down);
     }
 }

@@ -1,8 +1,9 @@
 """Guidance: where on its ray the final scan looks, from what every fifth ray has shown.
 
-The coarse scan sees the whole of every `COARSE`-th ray. A line on the rays between can only be where the rule of
-continuity (`_chain`) lets it go from there. So the final scan looks for peaks within that distance of everything the
-coarse scan found on the two coarse rays on each side, line or not; and on the whole ray where it found nothing there.
+The coarse scan sees the whole of every `COARSE`-th ray, or of more of them across a line in a small picture. A line on
+the rays between can only be where the rule of continuity (`_chain`) lets it go from there. So the final scan looks for
+peaks within that distance of everything the coarse scan found on the two coarse rays on each side, line or not; and on
+the whole ray where it found nothing there.
 
 Nothing that could be the line, or its rival, is missed: it would have to form a chain of `SHORTEST` = 10 rays, and 10
 rays in a row contain at least two coarse ones. (A chain full of gaps that has no peak on any coarse ray is not seen; a

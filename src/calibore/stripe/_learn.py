@@ -16,6 +16,8 @@ from calibore.stripe._scatter import neighbour_scatter
 Array = NDArray[np.float64]
 SPARSE = 48
 """Rays enough for the first estimate of floor, level and noise."""
+COUNTED = 256
+"""Samples of a sparse ray, at least, that tell floor and noise; its brightest one is looked for among all."""
 FLOOR_RANK = 20
 """The floor is the brightness that one sample in this many stays below."""
 PROMINENT = 6.0
@@ -46,11 +48,13 @@ def first_settings(picture: Picture, rays: Rays, estimator: Estimator) -> ScanSe
     if not inside.any():
         raise ImageError("The region where the ring is expected lies outside the image.")
     values = nearest_pixels(plane, sparse, inside)
-    known = values[inside]
-    floor = float(np.sort(known)[known.size // FLOOR_RANK])
+    pace = max(1, rays.samples // COUNTED)
+    known = values[:, ::pace][inside[:, ::pace]]
+    floor = float(np.sort(known)[known.size // FLOOR_RANK]) if known.size else 0.0
     brightest = np.max(np.where(inside, values, -1.0), axis=1)
     level = max(float(np.median(brightest[brightest >= 0])) - floor, 0.0)
-    noise = background_noise(values[:, 2:] - values[:, :-2], inside[:, 2:] & inside[:, :-2])
+    difference, both = values[:, 2:] - values[:, :-2], inside[:, 2:] & inside[:, :-2]
+    noise = background_noise(difference[:, ::pace], both[:, ::pace])
     prominence = max(PROMINENT * noise, FAINTEST * level)
     threshold = PUBLISHED_THRESHOLD * picture.white / 255 if estimator is Estimator.PARABOLA else 0.0
     model = NoiseModel(additive=noise**2)

@@ -30,6 +30,8 @@ SETTLED = 0.5
 MOST_RECENTRINGS = 8
 FEWEST_TO_CENTRE = 8
 """Coarse rays on which the line must be seen to find its centre."""
+LEARNT = 192
+"""Rays across a line, about as many as round a ring, that tell its noise and where to look on those between."""
 UNCLEAR = 0.5
 """Noise that asks peaks to be higher than this fraction of white leaves no room for a ring."""
 
@@ -69,13 +71,18 @@ def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided:
         ring = replace(ring, centre=centre)
 
 
-def line_numpy(picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:
-    """The line that crosses `picture` from left to right, or runs `down` it."""
+def line_numpy(picture: Picture, estimator: Estimator, *, down: bool, guided: bool = True) -> Stripe:
+    """The line that crosses `picture` from left to right, or runs `down` it; `guided` as for a ring."""
     rays = (rows if down else columns)(picture.image.shape)
     settings = first_settings(picture, rays, estimator)
-    settings = learn_noise(picture, rays, scan(picture.plane(), rays, settings.plain()), settings)
-    sight = _sight(picture, rays, scan(picture.plane(), rays, settings), settings.noise.width)
-    return _measure(picture, sight, settings)
+    stride = min(max(1, rays.count // LEARNT), COARSE)
+    few = rays.every(stride)
+    peaks = scan(picture.plane(), few, settings.plain())
+    settings = learn_noise(picture, few, peaks, settings)
+    spans = guided_spans(peaks.position, samples=few.samples, spacing=few.spacing, shift=0.0)
+    spans = spans[np.arange(rays.count) // stride] if guided else None
+    peaks = scan(picture.plane(), rays, settings, spans=spans)
+    return _measure(picture, _sight(picture, rays, peaks, settings.noise.width), settings)
 
 
 @dataclass(frozen=True)
