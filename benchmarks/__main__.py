@@ -16,23 +16,30 @@ from typing import NamedTuple
 
 
 class Part(NamedTuple):
-    """A table: `function` of a module here; on one core; in the report, or a study of minutes that is asked for."""
+    """A table: `function` of a module here; on one core; in the report, or a study of minutes that is asked for;
+    taken once in either state of the C library's `memory`, on which peers depend.
+    """
 
     function: str
     arguments: tuple[object, ...] = ()
     pinned: bool = False
     in_report: bool = False
+    memory: bool = False
 
+
+KEPT = {"MALLOC_MMAP_THRESHOLD_": str(256 << 20), "MALLOC_TRIM_THRESHOLD_": str(512 << 20)}
+MEMORY: dict[str, dict[str, str]] = {"Memory left to the C library": {}, "Memory kept by the process": KEPT}
+"""What glibc does with freed large arrays depends on what the process has done before, unless it is told."""
 
 PARTS = {
-    "kernel": Part("kernel.report", pinned=True, in_report=True),
-    "kernel_peers": Part("kernel_peers.rings", pinned=True, in_report=True),
-    "side_facing": Part("side_facing.report", pinned=True, in_report=True),
-    "side_facing_peers": Part("kernel_peers.rows", pinned=True, in_report=True),
-    "tracked": Part("tracked.report", pinned=True, in_report=True),
+    "kernel": Part("kernel.report", pinned=True, in_report=True, memory=True),
+    "kernel_peers": Part("kernel_peers.rings", pinned=True, in_report=True, memory=True),
+    "side_facing": Part("side_facing.report", pinned=True, in_report=True, memory=True),
+    "side_facing_peers": Part("kernel_peers.rows", pinned=True, in_report=True, memory=True),
+    "tracked": Part("tracked.report", pinned=True, in_report=True, memory=True),
     "triangulation": Part("triangulation.report", in_report=True),
-    "end_to_end_one": Part("end_to_end.report", (1,), pinned=True, in_report=True),
-    "end_to_end_two": Part("end_to_end.report", (2,), in_report=True),
+    "end_to_end_one": Part("end_to_end.report", (1,), pinned=True, in_report=True, memory=True),
+    "end_to_end_two": Part("end_to_end.report", (2,), in_report=True, memory=True),
     "end_to_end_parts": Part("end_to_end_parts.report", pinned=True, in_report=True),
     "decode": Part("end_to_end.decoding", pinned=True, in_report=True),
     "startup": Part("startup.report", in_report=True),
@@ -51,8 +58,19 @@ PARTS = {
 }
 
 
+def tables(name: str, *rest: str) -> list[str]:
+    """A part, each table of it in a process of its own so that pinning, threads and memory do not leak."""
+    states = MEMORY if PARTS[name].memory and not any(key in os.environ for key in KEPT) else {"": {}}
+    lines: list[str] = []
+    for title, settings in states.items():
+        command = [sys.executable, "-m", "benchmarks", "--alone", name, *rest]
+        run = subprocess.run(command, check=True, capture_output=True, text=True, env=os.environ | settings)
+        lines += [f"**{title}**", ""] * bool(title) + [run.stdout]
+    return lines
+
+
 def part(name: str, *rest: str) -> list[str]:
-    """One table, in a process of its own so that pinning and threads do not leak."""
+    """One table, in this process."""
     from benchmarks import timing
 
     chosen = PARTS[name]
@@ -64,15 +82,17 @@ def part(name: str, *rest: str) -> list[str]:
 
 def main() -> None:
     """Run every part of the report, or the one named."""
+    if sys.argv[1:2] == ["--alone"]:
+        print("\n".join(part(*sys.argv[2:])))
+        return
     if len(sys.argv) > 1:
-        print("\n".join(part(*sys.argv[1:])))
+        print("\n".join(tables(*sys.argv[1:])))
         return
     from benchmarks.machine import machine
 
     lines = ["# Benchmarks", "", *machine()]
     for name in (name for name, one in PARTS.items() if one.in_report):
-        run = subprocess.run([sys.executable, "-m", "benchmarks", name], check=True, capture_output=True, text=True)
-        lines += [run.stdout]
+        lines += tables(name)
     out = Path(__file__).parent / "out" / "report.md"
     out.parent.mkdir(exist_ok=True)
     out.write_text("\n".join(lines), encoding="utf-8")
