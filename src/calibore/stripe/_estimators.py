@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 class Estimator(IntEnum):
     """How the place of a peak on its ray is computed (Swanbom 2007, 2.3.3 and 6.3.4.2)."""
 
-    ZERO_CROSSING = 0  # sign change of the fitted slope, then one noise-weighted Gauss-Newton step: the default
+    ZERO_CROSSING = 0  # found where the fitted slope changes sign, placed by generalised least squares: the default
     PARABOLA = 1  # vertex of a parabola fitted to 8 samples, threshold 45: reproduces the dissertation
     MAXIMUM = 2  # brightest sample
     THRESHOLD = 3  # midpoint of the two half-height crossings
