@@ -49,6 +49,7 @@ PARTS = {
     "change_pictures": Part("change_pictures.report"),
     "cluster": Part("cluster.report"),
     "coverage": Part("studies.coverage"),
+    "estimator": Part("estimator.report"),
     "every_rig": Part("every_rig.report"),
     "line_choice": Part("line_choice.report"),
     "ovality": Part("studies.ovality"),

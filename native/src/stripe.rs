@@ -4,7 +4,11 @@
 // comparisons are negated where NaN must fall on the cautious side
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+mod across;
+mod alone;
+mod anchor;
 mod batch;
+mod breadth;
 mod centre;
 mod chain;
 mod choice;
@@ -13,6 +17,7 @@ mod describe;
 pub mod entries;
 mod features;
 mod fit;
+mod generalised;
 mod guide;
 mod in_file;
 mod lanes;
@@ -20,7 +25,7 @@ mod learn;
 mod light;
 mod literature;
 mod measure;
-mod near;
+mod neighbours;
 mod noise;
 mod path;
 mod peak;
@@ -33,6 +38,7 @@ mod sampling;
 mod scan;
 mod scatter;
 mod settings;
+mod settle;
 mod sparse;
 mod statistics;
 mod trace;
@@ -40,6 +46,7 @@ mod vectors;
 mod walk;
 #[cfg(target_arch = "x86_64")]
 mod walk_wide;
+mod windows;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

@@ -39,13 +39,16 @@ def test_the_shared_survey_is_measured_as_well_as_asked(tmp_path: Path) -> None:
 
     profile_scan(SIDE, tmp_path / "out", workers=2)
     score = score_side(tmp_path / "out", SIDE / "truth.npz")
-    assert score["rms_in"] < 0.0046
+    assert score["rms_in"] < 0.0035
     assert score["missed_pct"] <= 5
     assert score["outlier_pct"] == 0
     # the rig file happens to be exactly right: what is stated of the calibration comes on top of the noise
     assert 90 <= score["cover95_pct"] < 99.5
     profile = open_profile(tmp_path / "out")
-    noise = np.sqrt(np.nanmean(profile.u_independent.values**2)) / 0.0254
+    u = profile.u_independent.values[np.isfinite(profile.u_independent.values)] / 0.0254
+    told = u < 10 * np.median(u)  # the others say themselves that next to nothing is known of them
+    assert told.mean() > 0.995
+    noise = np.sqrt(np.mean(u[told] ** 2))
     assert score["rms_in"] == pytest.approx(noise, rel=0.1)
 
 

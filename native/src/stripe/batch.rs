@@ -54,7 +54,7 @@ impl Batch {
             offset: none,
             top: none,
             shape: Shape { height: none, background: none, base: none, rise: none, fall: none, stands: no, saturated: no },
-            side: settings.reach().max(settings.half_fit()),
+            side: settings.side(),
             window: [none; 2 * FARTHEST + 1 + MOST],
         }
     }
@@ -80,16 +80,6 @@ impl Batch {
         self.filled == LANES
     }
 
-    /// Puts what a fit needs of a peak `from` another batch in `lane`.
-    pub fn put(&mut self, lane: usize, other: &Batch, from: usize) {
-        self.rays[lane] = other.rays[from];
-        (self.position.0[lane], self.offset.0[lane]) = (other.position.0[from], other.offset.0[from]);
-        (self.shape.height.0[lane], self.shape.background.0[lane]) = (other.shape.height.0[from], other.shape.background.0[from]);
-        for (own, its) in self.window[..2 * self.side + 1].iter_mut().zip(&other.window) {
-            own.0[lane] = its.0[from];
-        }
-    }
-
     /// Samples from `reach` before the middle ones to as many after.
     #[inline(always)]
     pub fn about(&self, reach: usize) -> &[Lanes] {
@@ -100,6 +90,11 @@ impl Batch {
     #[inline(always)]
     pub fn to_fit(&self, half: usize) -> &[Lanes; MOST] {
         self.window[self.side - half..].first_chunk().unwrap_or(&NOTHING)
+    }
+
+    /// Adds all samples about one peak to `kept`.
+    pub fn keep(&self, lane: usize, kept: &mut Vec<f64>) {
+        kept.extend(self.window[..2 * self.side + 1].iter().map(|lanes| lanes.0[lane]));
     }
 
     /// The same of one peak, and where on its ray they begin.

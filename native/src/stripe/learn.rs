@@ -1,11 +1,9 @@
 //! Settings of a scan, learnt from the picture (see the Python module `_learn`).
 
-use super::near::places_near;
-use super::noise::{background_noise, pixel_noise, speckle, CONTRAST};
+use super::noise::{background_noise, pixel_noise, speckle, CONTRAST, QUANTISATION};
 use super::rays::{Ray, Rays};
 use super::sampling::{Grey, Plane};
 use super::scan::Candidates;
-use super::scatter::neighbour_scatter;
 use super::settings::{Estimator, Noise, Settings, PUBLISHED_WINDOW};
 use super::sparse::Sparse;
 use super::statistics::median;
@@ -21,9 +19,6 @@ const NARROWEST_LINE: f64 = 0.6;
 const WIDEST_LINE: f64 = 12.0;
 const SMALLEST_WINDOW: f64 = 6.0;
 pub const LARGEST_WINDOW: f64 = 32.0;
-const FLOORS: [f64; 3] = [0.01, 0.07, 0.5];
-const LOST: f64 = 0.05;
-const RAISED: f64 = 0.03;
 /// Width and grain before they are learnt.
 const USUAL: f64 = 1.5;
 const USUAL_GAIN: f64 = 0.05;
@@ -39,9 +34,10 @@ pub fn first_settings<T: Grey>(plane: &Plane<T>, rays: &Rays, estimator: Estimat
     let prominence = (PROMINENT * noise).max(FAINTEST * level);
     let white = f64::from(T::WHITE);
     let threshold = if estimator == Estimator::Parabola { PUBLISHED_THRESHOLD * white / 255.0 } else { 0.0 };
-    let noise = Noise { additive: noise * noise, gain: USUAL_GAIN, contrast: CONTRAST, width: USUAL, grain: USUAL };
+    let sensor = noise * noise;
+    let noise = Noise { additive: sensor, gain: USUAL_GAIN, contrast: CONTRAST, width: USUAL, grain: USUAL };
     let (gate, vectors) = (floor + GATE * prominence, plane.vectors);
-    Some(Settings { estimator, noise, gate, prominence, threshold, white, window: PUBLISHED_WINDOW, vectors })
+    Some(Settings { estimator, noise, gate, prominence, threshold, white, window: PUBLISHED_WINDOW, sensor, keeps: false, vectors })
 }
 
 /// `settings` with the noise model, line width and window learnt from `found` along `rays`.
@@ -59,32 +55,13 @@ pub fn learn_noise<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, m
     }
     let width = median(&mut widths).clamp(NARROWEST_LINE, WIDEST_LINE);
     let (additive, gain) = pixel_noise(plane, &peaks);
-    let noise = Noise { additive: additive.max(settings.noise.additive), gain, width, ..settings.noise };
+    let first = settings.noise.additive;
+    let noise = Noise { additive: additive.max(first), gain, width, ..settings.noise };
+    settings.sensor = if additive + gain > 0.0 { additive.max(QUANTISATION).min(first) } else { first };
     settings.noise = speckle(noise, &height, rays.spacing);
     if settings.estimator == Estimator::Parabola {
         return settings;
     }
     settings.window = (2.0 * (2.0 * width).round_ties_even()).clamp(SMALLEST_WINDOW, LARGEST_WINDOW) as usize;
-    best_floor(plane, rays, found, settings)
-}
-
-/// `settings` with the additive noise under which neighbouring peaks agree best.
-fn best_floor<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, settings: Settings) -> Settings {
-    if settings.estimator != Estimator::ZeroCrossing {
-        return settings;
-    }
-    let mut heights: Vec<f64> = found.highest().flatten().map(|peak| peak.height).collect();
-    let height = median(&mut heights);
-    let with_floor = |fraction: f64| {
-        let additive = settings.noise.additive.max((fraction * height) * (fraction * height));
-        Settings { noise: Noise { additive, ..settings.noise.clone() }, ..settings.clone() }
-    };
-    // to fit once more takes less time than to know first whether it is wanted
-    let floors = [FLOORS[0], FLOORS[1], FLOORS[2], RAISED];
-    let tried = places_near(plane, rays, found, &settings, &floors.map(with_floor));
-    let least = [0, 3].into_iter().find(|&k| tried[k].1 <= LOST);
-    let scatter_of = |k: usize| neighbour_scatter(&tried[k].0, settings.noise.width, rays.spacing, settings.vectors);
-    let scatters = least.into_iter().chain([1, 2]).map(|k| (scatter_of(k), floors[k]));
-    let best = scatters.reduce(|best, next| if next.0 < best.0 { next } else { best });
-    with_floor(best.map_or(RAISED, |(_, floor)| floor))
+    settings
 }

@@ -7,6 +7,7 @@ use super::sampling::{Grey, Plane};
 use super::scan::{scan, Candidates};
 use super::scatter;
 use super::settings::{Estimator, Noise, Settings};
+use super::settle::{settle, Found};
 
 /// The measured line (see the Python class `Stripe`).
 pub struct Line {
@@ -38,28 +39,35 @@ impl Sight {
         Sight { candidates, chosen }
     }
 
-    /// The line in sight with its uncertainty.
+    /// The line in sight, looked at again, with its uncertainty.
     pub fn line<T: Grey>(self, plane: &Plane<T>, rays: &Rays, settings: Settings) -> Line {
         let count = rays.rays.len();
         let empty = || Vec::with_capacity(count);
-        let (mut height, mut position, mut u_position, mut confidence, mut status) =
-            (empty(), empty(), empty(), empty(), Vec::with_capacity(count));
+        let mut samples = Vec::with_capacity(count);
+        let (mut height, mut base, mut position, mut u_position, mut confidence, mut status) =
+            (empty(), empty(), empty(), empty(), empty(), Vec::with_capacity(count));
         for chosen in self.chosen {
             let peak = self.candidates.peaks.get(chosen.pick).filter(|_| chosen.status <= RESOLVED);
             position.push(peak.map_or(f64::NAN, |peak| peak.position));
             u_position.push(peak.map_or(f64::NAN, |peak| peak.u));
             height.push(peak.map_or(f64::NAN, |peak| peak.height));
+            base.push(peak.map_or(f64::NAN, |peak| peak.background));
             status.push(if peak.is_some_and(|peak| peak.saturated) { SATURATED } else { chosen.status });
+            samples.push(peak.map_or(&[][..], |peak| self.candidates.samples(peak)));
             confidence.push(chosen.confidence);
         }
         if settings.estimator == Estimator::Steger {
             (position, u_position) = ridges(plane, rays, &position, &height, &settings).into_iter().unzip();
             lost(&position, &mut height, &mut status);
         }
+        let saturated: Vec<bool> = status.iter().map(|&status| status == SATURATED).collect();
+        let line =
+            Found { position: &mut position, u: &mut u_position, height: &height, base: &base, saturated: &saturated, samples: &samples };
+        let noise = settle(plane, rays, line, &settings);
         let (u, v) = rays.rays.iter().zip(&position).map(|(ray, &place)| ray.at(place).into()).unzip();
-        let scatter = scatter::observe(&position, &u_position, settings.noise.width, rays.spacing, rays.closed, settings.vectors);
+        let scatter = scatter::observe(&position, &u_position, noise.width, rays.spacing, rays.closed, settings.vectors);
         u_position.iter_mut().for_each(|u| *u *= scatter.scale);
-        Line { u, v, u_position, status, height, correlation: scatter.correlation, confidence, noise: settings.noise, scale: scatter.scale }
+        Line { u, v, u_position, status, height, correlation: scatter.correlation, confidence, noise, scale: scatter.scale }
     }
 }
 

@@ -5,7 +5,7 @@ use super::sampling::{Grey, Plane};
 use super::settings::Noise;
 use super::statistics::{median, nearest_even};
 
-const QUANTISATION: f64 = 1.0 / 12.0;
+pub const QUANTISATION: f64 = 1.0 / 12.0;
 const ALIGNED: f64 = 0.985;
 const FOURTH_DIFFERENCE: [i64; 5] = [1, -4, 6, -4, 1];
 /// Sum of the squares of the fourth difference.

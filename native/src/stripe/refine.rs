@@ -1,6 +1,6 @@
 //! The sub-pixel place of a peak and its standard uncertainty, by the estimator asked for (see the Python module `_refine`).
 
-use super::batch::Batch;
+use super::batch::{Batch, Shape};
 use super::describe::describe;
 use super::fit::Fit;
 use super::lanes::Lanes;
@@ -37,18 +37,22 @@ impl<'a> Refiner<'a> {
         describe(&mut self.batch, self.settings);
         let (moved, u) = self.fitted();
         for lane in (0..self.batch.filled).filter(|&lane| self.batch.shape.stands[lane]) {
-            let Some(place) = self.place(lane, moved.0[lane]) else { continue };
+            let Some(place) = self.place(lane) else { continue };
             let shape = &self.batch.shape;
             let span = shape.fall.0[lane] - shape.rise.0[lane];
-            let u = if moved.0[lane].is_nan() { span / 12f64.sqrt() } else { u.0[lane] };
+            let u = if moved.0[lane].is_nan() { widest(shape, lane) } else { u.0[lane] };
             let u = match self.settings.estimator {
                 Estimator::Crossing | Estimator::Steger => 0.0,
-                Estimator::ZeroCrossing if moved.0[lane].abs() > LONGEST_STEP => u.hypot(moved.0[lane]),
                 Estimator::Maximum => u.hypot((1.0f64 / 12.0).sqrt()),
                 _ => u,
             };
             let (height, background, width) = (shape.height.0[lane], shape.base.0[lane], span / FULL_WIDTH);
-            found.add(self.batch.rays[lane], Peak { position: place, height, background, width, u, saturated: shape.saturated[lane] });
+            let (saturated, row) = (shape.saturated[lane], found.rows);
+            if self.settings.keeps {
+                self.batch.keep(lane, &mut found.kept);
+                found.rows += 1;
+            }
+            found.add(self.batch.rays[lane], Peak { position: place, height, background, width, u, saturated, row });
         }
         self.batch.filled = 0;
     }
@@ -62,12 +66,11 @@ impl<'a> Refiner<'a> {
     }
 
     /// Place of one peak of the batch, or none where the estimator finds no peak.
-    fn place(&self, lane: usize, moved: f64) -> Option<f64> {
+    fn place(&self, lane: usize) -> Option<f64> {
         let (batch, shape, settings) = (&self.batch, &self.batch.shape, self.settings);
         let (position, background) = (batch.position.0[lane], shape.background.0[lane]);
         let (first, samples) = match settings.estimator {
-            Estimator::ZeroCrossing => return Some(moved_place(position, moved)),
-            Estimator::Crossing | Estimator::Steger => return Some(position),
+            Estimator::ZeroCrossing | Estimator::Crossing | Estimator::Steger => return Some(position),
             Estimator::Threshold => return Some(0.5 * (shape.rise.0[lane] + shape.fall.0[lane])),
             Estimator::Parabola => batch.samples(lane, settings.reach()),
             _ => batch.samples(lane, self.fit.half()),
@@ -82,12 +85,7 @@ impl<'a> Refiner<'a> {
     }
 }
 
-/// The place of a peak at `position` after its Gauss-Newton step; the zero crossing where that has left the peak or there is none.
-pub fn moved_place(position: f64, moved: f64) -> f64 {
-    position + if has_left(moved) { 0.0 } else { moved }
-}
-
-/// Whether a Gauss-Newton step has left the peak, or there is none.
-pub fn has_left(moved: f64) -> bool {
-    !(moved.abs() <= LONGEST_STEP)
+/// Standard uncertainty of a peak whose samples fix no place: it may be anywhere within its full width at half height.
+pub fn widest(shape: &Shape, lane: usize) -> f64 {
+    (shape.fall.0[lane] - shape.rise.0[lane]) / 12f64.sqrt()
 }

@@ -28,7 +28,7 @@ pub fn measure<T: Grey>(plane: &Plane<T>, mut ring: Annulus, estimator: Estimato
     let mut recentrings = 0;
     loop {
         let (rays, spans) = (ring.every(1), approach.spans(ring.centre));
-        let sight = Sight::along(plane, &rays, &settings, |ray| spans[ray / COARSE]);
+        let sight = Sight::along(plane, &rays, &settings.choosing(), |ray| spans[ray / COARSE]);
         let centre = centre_of(&rays, &sight, ring.counted)?;
         recentrings += 1;
         if distance(centre, ring.centre) < SETTLED || recentrings == MOST_RECENTRINGS {
@@ -87,7 +87,7 @@ pub fn measure_line<T: Grey>(plane: &Plane<T>, estimator: Estimator, down: bool)
     let found = scan(plane, &few, &settings.plain(), |_| (0, few.samples));
     let settings = learn_noise(plane, &few, &found, settings);
     let spans = guided_spans(&found, few.samples, few.spacing, 0.0);
-    Ok(Sight::along(plane, &rays, &settings, |ray| spans[ray / stride]).line(plane, &rays, settings))
+    Ok(Sight::along(plane, &rays, &settings.choosing(), |ray| spans[ray / stride]).line(plane, &rays, settings))
 }
 
 /// Centre of the line in sight, by the rays that are `counted` (one for each ray of the dense set).

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 class Estimator(IntEnum):
     """How the place of a peak on its ray is computed (Swanbom 2007, 2.3.3 and 6.3.4.2)."""
 
-    ZERO_CROSSING = 0  # sign change of the fitted slope, then one noise-weighted Gauss-Newton step: the default
+    ZERO_CROSSING = 0  # found where the fitted slope changes sign, placed by generalised least squares: the default
     PARABOLA = 1  # vertex of a parabola fitted to 8 samples, threshold 45: reproduces the dissertation
     MAXIMUM = 2  # brightest sample
     THRESHOLD = 3  # midpoint of the two half-height crossings
@@ -50,6 +50,8 @@ SATURATED_FROM = 0.97
 """Samples above this fraction of white carry no information about the line's place."""
 NARROWEST_FIT, WIDEST_FIT = 4, 24
 """Limits of the half width of the Gauss-Newton window [samples]."""
+MOST_SAMPLES = 25
+"""Samples of a ray in a generalised fit."""
 MOST_PEAKS = 4
 """Candidates kept per ray, the highest ones."""
 
@@ -60,7 +62,8 @@ class ScanSettings:
 
     `gate`: nearest-pixel brightness below which no peak is looked for; `prominence`: least height above the local
     background; `threshold`: least absolute brightness (0 = none); `white`: the level at which the image saturates;
-    `window`: samples to which a slope is fitted.
+    `window`: samples to which a slope is fitted; `sensor`: additive variance of the pixels themselves, which that of
+    `noise` may exceed.
     """
 
     estimator: Estimator
@@ -70,10 +73,15 @@ class ScanSettings:
     threshold: float
     white: float
     window: int = PUBLISHED_WINDOW
+    sensor: float = 1.0
 
     def plain(self) -> "ScanSettings":
         """The same for a first look: by slope alone, or the dissertation's way throughout."""
         return self if self.estimator is Estimator.PARABOLA else replace(self, estimator=Estimator.CROSSING)
+
+    def choosing(self) -> "ScanSettings":
+        """The same for the look in which the line is chosen: what is looked at again needs no more than a place."""
+        return self.plain() if self.estimator is Estimator.ZERO_CROSSING else self
 
     @property
     def reach(self) -> int:
@@ -84,6 +92,16 @@ class ScanSettings:
     def half_fit(self) -> int:
         """Half width [samples] of the Gauss-Newton window: three line widths."""
         return int(np.clip(np.ceil(3 * self.noise.width), NARROWEST_FIT, WIDEST_FIT))
+
+    @property
+    def group(self) -> int:
+        """Neighbouring samples that are averaged for a generalised fit, so that it has no more than it can bear."""
+        return -(-(2 * self.half_fit + 1) // MOST_SAMPLES)
+
+    @property
+    def saturated_from(self) -> float:
+        """Brightness from which a sample counts as saturated."""
+        return SATURATED_FROM * self.white
 
 
 @dataclass(frozen=True)

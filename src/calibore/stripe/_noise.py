@@ -92,15 +92,17 @@ def pixel_noise(plane: NDArray[np.generic], column: Array, row: Array, direction
         return 0.0, 0.0
     square = (runs @ FOURTH_DIFFERENCE) ** 2 / np.sum(FOURTH_DIFFERENCE**2)
     level = runs.mean(axis=1)
-    terms = _variance_terms(np.maximum(level - np.quantile(level, FAINT_RUNS), 0.0), square)
+    terms = _variance_terms(level - np.quantile(level, FAINT_RUNS), square)
     return float(terms[0]), float(terms[1])
 
 
 def _variance_terms(level: Array, square: Array) -> Array:
-    """Non-negative (additive, gain, leak), E[square] = additive + gain level + leak level^2, from binned medians."""
+    """Non-negative (additive, gain, leak), E[square] = additive + gain level + leak level^2, from binned medians; what
+    is darker than the background (`level` < 0) counts as this.
+    """
     order = np.argsort(level, kind="stable")
     bins = np.array_split(order, int(np.clip(level.size // RUNS_PER_BIN, FEWEST_BINS, MOST_BINS)))
-    mean = np.array([level[b].mean() for b in bins])
+    mean = np.array([np.maximum(level[b], 0.0).mean() for b in bins])
     variance = np.array([np.median(square[b]) / CHI_MEDIAN for b in bins])
     design = np.stack([np.ones_like(mean), mean, mean**2], axis=1) / (variance + QUANTISATION)[:, None]
     target = variance / (variance + QUANTISATION)

@@ -42,7 +42,9 @@ def refine(y: Array, peak: Standing, settings: ScanSettings) -> tuple[float, flo
     match settings.estimator:
         case Estimator.ZERO_CROSSING:
             kept = abs(moved) <= LONGEST_STEP
-            return (peak.position + moved, u) if kept else (peak.position, float(np.hypot(u, moved)))
+            span = peak.fall - peak.rise  # so far it may be off at most
+            u = min(u, span)
+            return (peak.position + moved, u) if kept else (peak.position, float(np.hypot(u, min(abs(moved), span))))
         case Estimator.PARABOLA:
             place = _parabola(y, peak, settings)
             return None if place is None else (place, u)

@@ -62,13 +62,13 @@ def _describe(
     keep = np.zeros(ray.size, dtype=bool)
     rows = np.full((6, ray.size), np.nan)
     for index in range(ray.size):
-        peak = _describe_peak(samples[ray[index]], float(position[index]), float(fraction[index]), settings)
+        peak = described(samples[ray[index]], float(position[index]), float(fraction[index]), settings)
         if peak is not None:
             keep[index], rows[:, index] = True, peak
     return keep, rows
 
 
-def _describe_peak(y: Array, position: float, fraction: float, settings: ScanSettings) -> tuple[float, ...] | None:
+def described(y: Array, position: float, fraction: float, settings: ScanSettings) -> tuple[float, ...] | None:
     """One candidate refined, or None where it does not stand out; `fraction` places it between its two windows."""
     middle, whole = int(position + 0.5), int(position)
     low, high = max(middle - settings.reach, 0), min(middle + settings.reach, y.size - 1)

@@ -22,6 +22,7 @@ from calibore.stripe._rays import Rays, annulus, columns, rows
 from calibore.stripe._ridge import ridges
 from calibore.stripe._scan import scan
 from calibore.stripe._scatter import observe_scatter
+from calibore.stripe._settle import Found, settle
 from calibore.stripe._stripe import Stripe
 
 Array = NDArray[np.float64]
@@ -63,7 +64,9 @@ def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided:
     while True:
         rays = ring.rays()
         spans = coarse.spans(ring.centre)[np.arange(rays.count) // COARSE] if guided else None
-        sight = _sight(picture, rays, scan(picture.plane(), rays, settings, spans=spans), settings.noise.width)
+        sight = _sight(
+            picture, rays, scan(picture.plane(), rays, settings.choosing(), spans=spans), settings.noise.width
+        )
         centre = _centre(sight, ring.counted)
         recentrings += 1
         if _distance(centre, ring.centre) < SETTLED or recentrings == MOST_RECENTRINGS:
@@ -81,7 +84,7 @@ def line_numpy(picture: Picture, estimator: Estimator, *, down: bool, guided: bo
     settings = learn_noise(picture, few, peaks, settings)
     spans = guided_spans(peaks.position, samples=few.samples, spacing=few.spacing, shift=0.0)
     spans = spans[np.arange(rays.count) // stride] if guided else None
-    peaks = scan(picture.plane(), rays, settings, spans=spans)
+    peaks = scan(picture.plane(), rays, settings.choosing(), spans=spans)
     return _measure(picture, _sight(picture, rays, peaks, settings.noise.width), settings)
 
 
@@ -159,16 +162,19 @@ def _distance(one: tuple[float, float], other: tuple[float, float]) -> float:
 
 
 def _measure(picture: Picture, sight: Sight, settings: ScanSettings) -> Stripe:
-    """The line in `sight` with its uncertainty from model and scatter."""
+    """The line in sight, looked at again, with its uncertainty from model and scatter."""
     rays, peaks, status = sight.rays, sight.peaks, sight.status.copy()
     status[(status <= Status.RESOLVED) & sight.picked(peaks.saturated)] = Status.SATURATED
     valued = status <= Status.SATURATED
-    position, u, height = (np.where(valued, sight.picked(t), np.nan) for t in (peaks.position, peaks.u, peaks.height))
+    tables = (peaks.position, peaks.u, peaks.height, peaks.background)
+    position, u, height, base = (np.where(valued, sight.picked(table), np.nan) for table in tables)
     if settings.estimator is Estimator.STEGER:
         position, u = ridges(picture.plane(), rays, position, height, settings)
         lost = np.isnan(position)
         height[lost], status[lost & valued] = np.nan, Status.NO_PEAK
-    scatter = observe_scatter(position, u, width=settings.noise.width, spacing=rays.spacing, closed=rays.closed)
-    (column, row), u, shared = rays.at(position), u * scatter.scale, scatter.correlation
+    settled = settle(picture, rays, Found(position, u, height, base, status == Status.SATURATED), settings)
+    width = settled.noise.width
+    scatter = observe_scatter(settled.position, settled.u, width=width, spacing=rays.spacing, closed=rays.closed)
+    (column, row), u, shared = rays.at(settled.position), settled.u * scatter.scale, scatter.correlation
     seen = column, row, rays.direction, u, status, height, shared
-    return Stripe(*seen, settings.noise, scatter.scale, confidence=sight.confidence)
+    return Stripe(*seen, settled.noise, scatter.scale, confidence=sight.confidence)

@@ -1,0 +1,169 @@
+//! Samples of all rays about the places they are looked at from (see the Python module `_windows`).
+
+use std::collections::HashMap;
+
+use super::rays::{Ray, Rays};
+use super::sampling::{Grey, Plane};
+use super::settings::Settings;
+use super::settle::Found;
+use super::statistics::floor;
+
+/// Standpoints lie on this part of a pixel.
+pub const PHASES: f64 = 8.0;
+/// Windows are laid out by whole groups of samples: their sums are four at a time.
+pub const FOUR: usize = 4;
+
+/// What rays have in common that weight their samples alike: distance of the middle of the window from the standpoint, usual height of the
+/// line, and the missing samples, one bit each.
+pub struct Pattern {
+    pub fraction: f64,
+    pub height: f64,
+    pub missing: u32,
+}
+
+pub struct Windows {
+    pub count: usize,
+    /// Distance of neighbouring samples.
+    pub apart: f64,
+    /// Distance of the middle of each ray's window from its standpoint.
+    pub fraction: Vec<f64>,
+    pub patterns: Vec<Pattern>,
+    /// Number of each ray's pattern.
+    pub pattern: Vec<usize>,
+    known: HashMap<(i16, i16, u32), usize>,
+    /// The pattern looked up before of every phase.
+    last: [(i16, u32, usize); PHASES as usize + 1],
+    /// By rows; 0 where they are missing.
+    values: Vec<f64>,
+    row: usize,
+    samples: usize,
+    /// Memory for the samples of one ray at their places, and for those of its window.
+    line: Vec<f64>,
+    window: Vec<f64>,
+}
+
+/// `start` moved to the nearest place where rays may be looked at from.
+pub fn standing(start: f64) -> f64 {
+    if start.is_finite() {
+        floor(start * PHASES + 0.5) as f64 / PHASES
+    } else {
+        f64::NAN
+    }
+}
+
+impl Windows {
+    /// Of the rays of `line` that have a `start`.
+    pub fn about<T: Grey>(plane: &Plane<T>, rays: &Rays, line: &Found, (start, height): (&[f64], &[f64]), settings: &Settings) -> Windows {
+        let (group, number) = (settings.group(), start.len());
+        let count = 2 * (settings.half_fit() / group) + 1;
+        let row = count.next_multiple_of(FOUR);
+        let mut windows = Windows {
+            count,
+            apart: group as f64,
+            fraction: vec![0.0; number],
+            patterns: Vec::new(),
+            pattern: vec![0; number],
+            known: HashMap::new(),
+            last: [(0, u32::MAX, 0); PHASES as usize + 1],
+            values: vec![0.0; row * number],
+            row,
+            samples: rays.samples,
+            line: vec![f64::NAN; rays.samples],
+            window: vec![f64::NAN; count * group],
+        };
+        for (number, ray) in rays.rays.iter().enumerate().filter(|(number, _)| start[*number].is_finite()) {
+            let known = (floor(line.position[number] + 0.5) - settings.side() as i64, line.samples[number]);
+            windows.look(plane, (ray, known), number, (start[number], height[number]));
+        }
+        windows
+    }
+
+    /// Takes the samples of a ray about `start`, where the line is `height`, from those `known` from a place on, else from the picture.
+    pub fn look<T: Grey>(
+        &mut self,
+        plane: &Plane<T>,
+        (ray, (first, known)): (&Ray, (i64, &[f64])),
+        number: usize,
+        (start, height): (f64, f64),
+    ) {
+        let (middle, long) = (floor(start + 0.5), self.window.len());
+        let low = middle - (long / 2) as i64;
+        let from = usize::try_from(low - first).ok().and_then(|from| known.get(from..from + long));
+        let missing = match from {
+            Some(samples) if long == self.count => take(&mut self.values[number * self.row..][..long], samples),
+            Some(samples) => {
+                self.window.copy_from_slice(samples);
+                self.grouped(number)
+            }
+            None => {
+                self.read(plane, ray, low);
+                self.grouped(number)
+            }
+        };
+        self.fraction[number] = middle as f64 - start;
+        self.pattern[number] = self.pattern_of(middle as f64 - start, height, missing);
+    }
+
+    /// Reads the samples of the window from `low` on from the picture.
+    fn read<T: Grey>(&mut self, plane: &Plane<T>, ray: &Ray, low: i64) {
+        let track = ray.track();
+        let (first, end) = track.inside(plane.width, plane.height, self.samples);
+        let (from, to) = (low.max(first as i64), (low + self.window.len() as i64).min(end as i64));
+        self.window.fill(f64::NAN);
+        if from < to {
+            let seen = from as usize..to as usize;
+            plane.interpolate(&track, (seen.start, seen.end), &mut self.line);
+            self.window[(from - low) as usize..(to - low) as usize].copy_from_slice(&self.line[seen]);
+        }
+    }
+
+    /// Notes the means of the groups of the window; which of them are missing, one bit each.
+    fn grouped(&mut self, number: usize) -> u32 {
+        let group = self.window.len() / self.count;
+        for some in self.window.chunks_exact_mut(group) {
+            some[0] = some.iter().sum::<f64>() / group as f64;
+        }
+        let mut means = [0.0; super::settings::MOST_SAMPLES];
+        means.iter_mut().zip(self.window.iter().step_by(group)).for_each(|(mean, value)| *mean = *value);
+        take(&mut self.values[number * self.row..][..self.count], &means[..self.count])
+    }
+
+    fn pattern_of(&mut self, fraction: f64, height: f64, missing: u32) -> usize {
+        // the power of two nearest on a scale of logarithms: sqrt(2) times as high as one is nearer to the next
+        let scaled = height.max(f64::MIN_POSITIVE) * std::f64::consts::SQRT_2;
+        let (phase, level) = ((fraction * PHASES) as i16, ((scaled.to_bits() >> 52) & 0x7ff) as i16 - 1023);
+        let last = &mut self.last[(phase + PHASES as i16 / 2) as usize];
+        if (last.0, last.1) != (level, missing) {
+            let (patterns, next) = (&mut self.patterns, self.known.len());
+            let number = *self.known.entry((phase, level, missing)).or_insert_with(|| {
+                patterns.push(Pattern { fraction, height: f64::from(level).exp2(), missing });
+                next
+            });
+            *last = (level, missing, number);
+        }
+        last.2
+    }
+
+    /// Distance of a sample from the middle of its window.
+    pub fn offset(&self, sample: usize) -> f64 {
+        let middle = if self.apart as usize % 2 == 1 { 0.0 } else { -0.5 };
+        (sample as f64 - (self.count / 2) as f64) * self.apart + middle
+    }
+
+    /// The samples of a ray, and zeros up to a whole group.
+    #[inline(always)]
+    pub fn of(&self, ray: usize) -> &[f64] {
+        &self.values[ray * self.row..][..self.row]
+    }
+}
+
+/// Copies `samples`, 0 where they are unknown; which, one bit each.
+fn take(values: &mut [f64], samples: &[f64]) -> u32 {
+    let mut missing = 0;
+    for (k, (value, &sample)) in values.iter_mut().zip(samples).enumerate() {
+        let known = !sample.is_nan();
+        *value = if known { sample } else { 0.0 };
+        missing |= u32::from(!known) << k;
+    }
+    missing
+}
