@@ -53,7 +53,8 @@ def test_with_an_exact_rig_file_errors_are_as_large_as_predicted(found):
 @pytest.mark.slow
 def test_a_change_that_nobody_states_breaks_the_intervals_and_a_stated_one_does_not(found):
     for laser in found.lasers:
-        assert laser.by_truth[FRESH].inside > 0.85
+        # one calibration: its error is that of all points, of a head three times as large as their noise
+        assert laser.by_truth[FRESH].inside > 0.8
         assert laser.by_truth[UNSTATED].inside < 0.1
         assert laser.by_truth[DRIFTED].inside > 0.9
         assert laser.by_truth[UNSTATED].rms == pytest.approx(laser.by_truth[DRIFTED].rms, rel=0.02)
