@@ -22,6 +22,8 @@ COLUMNS, ROWS, BACKGROUND = 1536, 64, 8.0
 SLOPE = 0.0213
 """Rows per column: the line passes every sub-pixel phase thirty times in a picture."""
 ESTIMATORS = ("zero-crossing", "correlation", "centroid", "threshold", "parabola", "maximum")
+UNSEEN = 5000
+"""Seeds from here on were used for nothing else."""
 GROSS = 3.0
 """px: a place further off belongs to another peak, and is counted as one."""
 SENSOR = Sensor(psf_sigma=0.9, background=BACKGROUND, full_well=12000.0, read_noise=18.0)
@@ -96,10 +98,10 @@ class Score:
     lost: float
 
 
-def score(scene: Scene, estimator: str, pictures: int, *, middle: float = ROWS / 2) -> Score:
-    """Of `estimator` on so many `pictures` of `scene`."""
+def score(scene: Scene, estimator: str, pictures: int, *, middle: float = ROWS / 2, first: int = 0) -> Score:
+    """Of `estimator` on so many `pictures` of `scene`, drawn with the seeds from `first` on."""
     errors, u, phase = [], [], []
-    for seed in range(pictures):
+    for seed in range(first, first + pictures):
         picture, row = scene.draw(seed, middle=middle)
         try:
             stripe = detect_line(picture, estimator=estimator)
@@ -128,6 +130,17 @@ def with_speckle() -> dict[str, Scene]:
     return {f"width {w}, contrast {c}, grain {g}": Scene(w, 100.0, c, g) for w, c, g in kinds}
 
 
+def unseen(count: int) -> list[Scene]:
+    """Random scenes, every third without speckle, on which no constant of the estimator was chosen."""
+    rng = np.random.default_rng(77)
+
+    def scene(number: int) -> Scene:
+        contrast = rng.uniform(0.05, 0.5) if number % 3 else 0.0
+        return Scene(rng.uniform(1.4, 3.0), rng.uniform(60, 200), contrast, rng.uniform(0.8, 1.5))
+
+    return [scene(number) for number in range(count)]
+
+
 def harder() -> dict[str, tuple[Scene, float]]:
     """Scenes that are not what the model says, and the row where the line lies; the bound is that of the model."""
     usual, middle = Scene(1.5, 150.0, 0.25), ROWS / 2
@@ -149,6 +162,7 @@ def report(pictures: str = "6") -> list[str]:
     lines = ["## Over the Cramer-Rao bound", ""]
     lines += _table("no speckle", without_speckle(), count)
     lines += _table("speckle, contrast and grain learnt from the picture", with_speckle(), count)
+    lines += _spread(count)
     head = " | ".join(ESTIMATORS)
     lines += ["", "## Where the model does not hold", "", f"| rms over bound (bias [px]) | {head} | rms / u | lost |"]
     lines += ["|---" * (len(ESTIMATORS) + 3) + "|"]
@@ -156,6 +170,21 @@ def report(pictures: str = "6") -> list[str]:
         scores = [score(scene, estimator, count, middle=middle) for estimator in ESTIMATORS]
         numbers = " | ".join(f"{one.rms / scene.bound():.2f} ({one.bias:+.3f})" for one in scores)
         lines.append(f"| {name} | {numbers} | {scores[0].ratio:.2f} | {100 * scores[0].lost:.2f} % |")
+    return lines
+
+
+def _spread(pictures: int) -> list[str]:
+    """How far the default estimator is from the bound in scenes that it has never seen."""
+    scenes = unseen(60)
+    scores = [score(scene, ESTIMATORS[0], pictures, first=UNSEEN) for scene in scenes]
+    over = np.array([got.rms / scene.bound() for got, scene in zip(scores, scenes, strict=True)])
+    told, contrast = np.array([got.ratio for got in scores]), np.array([scene.contrast for scene in scenes])
+    lines = ["", f"| {len(scenes)} random scenes | rms over bound: least, median, largest | rms / u: least, largest |"]
+    lines += ["|---" * 3 + "|"]
+    for name, low, high in (("no speckle", -1.0, 0.0), ("contrast below 0.3", 0.0, 0.3), ("0.3 to 0.5", 0.3, 1.0)):
+        some = (contrast > low) & (contrast <= high)
+        ends = f"{over[some].min():.2f}, {np.median(over[some]):.2f}, {over[some].max():.2f}"
+        lines.append(f"| {name} ({some.sum()}) | {ends} | {told[some].min():.2f}, {told[some].max():.2f} |")
     return lines
 
 

@@ -9,7 +9,7 @@ import pytest
 from calibore.stripe import detect_line
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from benchmarks.estimator import COLUMNS, Scene, score, with_speckle, without_speckle
+from benchmarks.estimator import COLUMNS, UNSEEN, Scene, score, unseen, with_speckle, without_speckle
 
 NOISE_OF_RATIO = 0.02
 """Standard deviation of an rms of 3000 rays, of which every third is independent, over itself."""
@@ -34,6 +34,13 @@ def test_with_speckle_that_nobody_told_it_of_a_place_is_nearly_as_good(name: str
     assert got.rms <= (1.4 if name == BROKEN else 1.25) * scene.bound()
     assert 0.9 <= got.ratio <= 1.1 + 2 * NOISE_OF_RATIO
     assert got.rms < 0.95 * score(scene, "centroid", 2).rms
+
+
+def test_so_it_is_in_random_scenes_on_which_nothing_was_tuned() -> None:
+    for scene in unseen(12):
+        got = score(scene, "zero-crossing", 2, first=UNSEEN)
+        assert got.rms <= (1.25 if scene.contrast else 1.10 + NOISE_OF_RATIO) * scene.bound()
+        assert 0.8 <= got.ratio <= 1.1
 
 
 @pytest.mark.parametrize(("contrast", "least"), [(0.02, 0.99), (0.45, 0.92)])
