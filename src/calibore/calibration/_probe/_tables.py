@@ -113,7 +113,7 @@ def _table(path: Path, columns: int, header: str) -> tuple[Array, Unit]:
     except ValueError as error:
         raise InputError(f"{path} holds something that is no table of numbers ({error}). {example}") from error
     if rows.ndim != 2 or rows.shape[1] != columns or not (np.abs(rows) <= LARGEST).all():
-        raise InputError(f"{path} needs rows of {columns} numbers up to {LARGEST:.0f}, at least one. {example}")
+        raise InputError(f"{path} needs rows of {columns} finite numbers up to {LARGEST:.0f}, at least one. {example}")
     unit = Unit(found[1].lower(), METRES[found[1].lower()])
     rows[:, -1] *= unit.size
     return rows, unit
