@@ -6,7 +6,7 @@ from pathlib import Path
 from string import Formatter
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationError
 
 from calibore.errors import InputError
 from calibore.units import parse_quantity
@@ -33,6 +33,23 @@ def _quantity(dimension: str) -> Any:
 _UNIT = {"length": "mm", "angle": "deg", "time": "s"}
 Length = Annotated[float, _quantity("length")]
 Angle = Annotated[float, _quantity("angle")]
+
+LONGEST_NAME, LONGEST_PATH = 255, 1000
+"""Bytes of one part of a name, and of all its parts: what systems take, room left for the folder before it."""
+
+
+def _file_name(text: str) -> str:
+    parts = [len(part.encode()) for part in text.split("/")]
+    if "\0" in text or max(parts) > LONGEST_NAME or sum(parts) + len(parts) > LONGEST_PATH:
+        raise ValueError(
+            f"a name of a file has at most {LONGEST_NAME} bytes, {LONGEST_PATH} with its folders, and none of them is "
+            "0; write the name as the file has it"
+        )
+    return text
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+"""The name of a file or folder, or a pattern of names: one that a system can look for."""
 
 Model = TypeVar("Model", bound=BaseModel)
 _WIDE = re.compile(r"\d{4,}")

@@ -2,6 +2,7 @@
 
 import re
 from functools import cache, lru_cache
+from math import inf
 from typing import Any
 
 from calibore.errors import InputError
@@ -23,6 +24,10 @@ USUAL = {
     "time": {"s": 1.0, "ms": 0.001},
 }
 """What pint multiplies by, rounding included: to be imported and to read its units takes it half a second."""
+
+
+LARGEST = {"length": 1e6, "angle": 1e6, "time": 1e9}
+"""m, rad, s; more is a mistake, and the squares of what is less are still numbers."""
 
 
 @cache
@@ -48,8 +53,18 @@ def parse_quantity(text: str, dimension: str) -> float:
     if not symbol:
         raise InputError(f'"{text}" has no unit; write {example}.')
     if symbol in USUAL[dimension]:
-        return float(number) * USUAL[dimension][symbol]
+        return _bounded(text, float(number) * USUAL[dimension][symbol], dimension)
     try:
-        return float(_registry().Quantity(float(number), symbol).to(unit).magnitude)
+        value = float(_registry().Quantity(float(number), symbol).to(unit).magnitude)
     except Exception as error:  # pint raises half a dozen unrelated types on what it does not know
         raise InputError(f'"{text}" is not {example}.') from error
+    return _bounded(text, value, dimension)
+
+
+def _bounded(text: str, value: float, dimension: str) -> float:
+    if LARGEST[dimension] < abs(value) < inf:
+        unit, _ = DIMENSIONS[dimension]
+        raise InputError(
+            f'"{text}" is beyond any {dimension} here, {LARGEST[dimension]:.0f} {unit}; correct the number or its unit.'
+        )
+    return value

@@ -1,5 +1,6 @@
 //! What a TIFF file says about itself before a decoder believes it: no entry of its first directory may claim more values than the file
-//! holds, for memory is set aside for them.
+//! holds, for memory is set aside for them. Nor may one of a BigTIFF be of an unknown type: the decoder would skip half of it, and take for
+//! entries what lies between them.
 
 use std::io::{Read, Seek, SeekFrom};
 
@@ -42,14 +43,17 @@ pub fn check<R: Read + Seek>(source: R, limit: usize) -> Decoded<()> {
     let directory = source.number(wide)?;
     source.go(SeekFrom::Start(directory))?;
     for _ in 0..source.number(many)? {
-        source.number(2)?;
+        let tag = source.number(2)?;
         let (kind, count) = (source.number(2)?, source.number(wide)?);
         source.number(wide)?;
-        let bytes = usize::try_from(kind).ok().and_then(|kind| TYPES.get(kind)).map_or(0, |bytes| count.saturating_mul(*bytes));
-        if bytes > length {
+        let each = usize::try_from(kind).ok().and_then(|kind| TYPES.get(kind)).map_or(0, |bytes| *bytes);
+        if big && each == 0 {
+            return Err(format!("the entry {tag} of its directory is of the type {kind}, which TIFF does not know"));
+        }
+        if count.saturating_mul(each) > length {
             return Err(TRUNCATED.into());
         }
-        if count.saturating_mul(KEPT) > ALWAYS.max(limit as u64) && bytes > 0 {
+        if count.saturating_mul(KEPT) > ALWAYS.max(limit as u64) && each > 0 {
             return Err(TOO_LARGE.into());
         }
     }

@@ -12,6 +12,8 @@ from calibore.rigs._configurations import CONFIGURATIONS, Configuration
 Number = Annotated[float, Strict()]
 Positive = Annotated[Number, Field(gt=0)]
 Whole = Annotated[int, Strict(), Field(gt=0)]
+LARGEST = 1e9
+"""Any standard uncertainty: beyond every unit, and its square is still a number."""
 LENGTHS = frozenset({"baseline", "offset", "x", "y", "z"})
 ANGLES = frozenset({"aim", "half_angle", "clock", "zenith"})
 
@@ -110,7 +112,7 @@ def _stated(quantity: Any, name: str) -> Any:
     """A standard uncertainty: a number, or a table with `u` or `limits` (half width), distribution and degrees of
     freedom.
     """
-    least: Any = Annotated[quantity, Field(ge=0)]
+    least: Any = Annotated[quantity, Field(ge=0, le=LARGEST)]
     freedom: Any = Positive
     keys: dict[str, Any] = {
         "u": (least | None, None),

@@ -14,6 +14,8 @@ BOARD_KINDS = ("chessboard", "charuco", "circle-grid", "asymmetric-circle-grid")
 DICTIONARY = "4x4_50"
 FEWEST = 3  # marks along a side; fewer carry no shape
 MOST = 100
+LEAST_MARKER = 0.01
+"""Of a square: the marker's side, and what it leaves of the square."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class Board:
                 f"A board has {FEWEST} to {MOST} corners (or dots) along each side, got {list(self.corners)}; "
                 "count inner corners, where four squares meet."
             )
-        if not 0 < self.marker < 1:
+        if not LEAST_MARKER <= self.marker <= 1 - LEAST_MARKER:
             raise InputError(
                 f"A ChArUco marker is smaller than its square, got {self.marker:g} squares; measure its black side."
             )

@@ -78,10 +78,10 @@ def check_degrees_of_freedom(names: tuple[str, ...], degrees_of_freedom: tuple[f
 
 def check_uncertainties(uncertainties: Mapping[str, float]) -> None:
     for name, u in uncertainties.items():
-        if not (np.isfinite(u) and u >= 0):
+        if not 0 <= u <= np.sqrt(LARGEST):
             raise InputError(
-                f"The standard uncertainty of {name} is {u}; it must be finite and not be negative: "
-                "give its absolute value, or leave out what is unknown."
+                f"The standard uncertainty of {name} is {u}; it must be finite and not be negative, its square "
+                "finite too: give its absolute value, or leave out what is unknown."
             )
 
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, Field, Strict, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Strict, Tag, model_validator
 
 from calibore.calibration._input_files import InputFile, input_file
-from calibore.documents import Document, Length, read_document
+from calibore.documents import UNNAMED, Document, FileName, Length, read_document
 from calibore.errors import ImageError, InputError
 from calibore.images import read_image
 from calibore.optics import LENS_NAMES
@@ -25,7 +25,11 @@ FUZZY = 2.0
 SHARP = 1.3  # px; a picture of less blur is never refused for it
 Positive = Annotated[Length, Field(gt=0)]
 Count = Annotated[int, Strict(), Field(gt=0, le=100)]
-Glob = Annotated[str, Field(min_length=1)]
+Glob = Annotated[FileName, Field(min_length=1)]
+Globs = Annotated[
+    Annotated[Glob, Tag(UNNAMED + "name")] | Annotated[tuple[Glob, ...], Tag(UNNAMED + "names")],
+    Discriminator(lambda value: UNNAMED + ("names" if isinstance(value, list | tuple) else "name")),
+]
 
 
 def _known_law(law: str) -> str:
@@ -42,7 +46,7 @@ class BoardTargetFile(Document):
 
     format: Literal["calibore-target/1"]
     kind: Literal["chessboard", "charuco", "circle-grid", "asymmetric-circle-grid"]
-    images: Glob | tuple[Glob, ...]
+    images: Globs
     square: Positive
     corners: tuple[Count, Count] | None = None
     squares: tuple[Count, Count] | None = None

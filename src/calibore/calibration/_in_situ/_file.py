@@ -12,7 +12,7 @@ from calibore.calibration._in_situ._wall import WallGrid
 from calibore.calibration._in_words import Unit
 from calibore.calibration._input_files import InputFile, input_file
 from calibore.calibration._pupil._target import LengthText
-from calibore.documents import Angle, Document, Length, read_document
+from calibore.documents import Angle, Document, FileName, Length, read_document
 from calibore.errors import InputError
 from calibore.rigs import Probe, Rig, read_probe, read_rig
 from calibore.scans import AxialMotion, ScanSpec, read_scan
@@ -24,6 +24,8 @@ REFERENCES = ("gauge", "reference", "tactile")
 DEFAULT_U = 0.0005 * 0.0254
 """m; shared by all radii of a reference that says nothing of its uncertainty: a caliper's."""
 COLUMNS = ("axial_m", "clock_rad", "radius_m", "u_m")
+LARGEST = 1e6
+"""m, rad, V."""
 FEWEST_FILLED = 0.5
 """Fraction of a table's axial and clock positions that must hold a radius, if it is a grid."""
 
@@ -35,13 +37,13 @@ class ProfileFile(Document):
 
     format: Literal["calibore-target/1"]
     kind: Literal["profile"]
-    rig: str
-    profile: str | None = None
-    scan: str | None = None
+    rig: FileName
+    profile: FileName | None = None
+    scan: FileName | None = None
     gauge: LengthText | None = None
-    reference: str | None = None
-    tactile: str | None = None
-    probe: str | None = None
+    reference: FileName | None = None
+    tactile: FileName | None = None
+    probe: FileName | None = None
     u_reference: Annotated[Length, Field(ge=0)] | None = None
     u_roll: Annotated[Angle, Field(gt=0)] = float(np.radians(3.0))
     u_axial: Positive = 0.25 * 0.0254
@@ -154,7 +156,7 @@ def bends_of(probe: Probe) -> Array:
 def read_table(path: Path, *, u: float | None = None) -> WallGrid:
     """A table of axial_m, clock_rad, radius_m and perhaps u_m, the uncertainty that its radii share."""
     rows = _numbers(path)
-    if rows.ndim != 2 or rows.shape[1] not in (3, 4) or len(rows) < 8 or np.isinf(rows).any():
+    if rows.ndim != 2 or rows.shape[1] not in (3, 4) or len(rows) < 8:
         raise InputError(f"{path} needs rows of {', '.join(COLUMNS[:3])} and perhaps u_m, separated by commas.")
     axial, i = np.unique(np.round(rows[:, 0], 9), return_inverse=True)
     clock, j = np.unique(np.round(rows[:, 1] % (2 * np.pi), 9), return_inverse=True)
@@ -179,8 +181,14 @@ def _numbers(path: Path) -> Array:
     try:
         lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
         body = [line for line in lines if not line.lstrip().startswith("#") and "_" not in line]
-        return np.array([[float(cell) if cell.strip() else np.nan for cell in line.split(",")] for line in body])
+        table = np.array([[float(cell) if cell.strip() else np.nan for cell in line.split(",")] for line in body])
     except FileNotFoundError:
         raise InputError(f"{path} is not there; copy the table there, or name it in target.toml.") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{path} cannot be read as a table of numbers ({error}); separate them by commas.") from error
+    if (np.abs(table) > LARGEST).any():
+        raise InputError(
+            f"{path} needs rows of numbers, but {np.nanmax(np.abs(table)):g} is beyond any length [m], angle [rad] or "
+            "voltage [V]; correct it."
+        )
+    return table

@@ -11,7 +11,7 @@ from pydantic import Field, Strict
 
 from calibore.calibration._in_words import Unit
 from calibore.calibration._input_files import InputFile, input_file
-from calibore.documents import Document, Length, read_document
+from calibore.documents import Document, FileName, Length, read_document
 from calibore.errors import InputError
 
 Array = NDArray[np.float64]
@@ -23,6 +23,8 @@ DEFAULT_U_CONTACT = 0.001 * INCH
 """m; how far the spot that a ball touches differs from the one that a caliper's jaw touches, on a wall not polished:
 what the dissertation aims at (8.2)."""
 FEWEST_LENGTHS = 4
+LARGEST = 1e6
+"""Of any number in a table: more is no stop, ratio or length."""
 METRES = {"in": INCH, "inch": INCH, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
 _UNIT = re.compile(r"_(in|inch|mm|cm|m)\b", flags=re.IGNORECASE)
 
@@ -34,8 +36,8 @@ class ProbeTarget(Document):
 
     format: Literal["calibore-target/1"]
     kind: Literal["probe"]
-    probe_calibration: str
-    diameters: str
+    probe_calibration: FileName
+    diameters: FileName
     u_caliper: Annotated[Length, Field(ge=0)] = float(DEFAULT_U_CALIPER)
     u_contact: Annotated[Length, Field(ge=0)] = DEFAULT_U_CONTACT
     adc_bits: Annotated[int, Strict(), Field(gt=0, le=32)] | None = None
@@ -110,8 +112,8 @@ def _table(path: Path, columns: int, header: str) -> tuple[Array, Unit]:
         rows = np.array([[float(cell) for cell in line.split(",")] for line in lines if line not in words])
     except ValueError as error:
         raise InputError(f"{path} holds something that is no table of numbers ({error}). {example}") from error
-    if rows.ndim != 2 or rows.shape[1] != columns or not np.isfinite(rows).all():
-        raise InputError(f"{path} needs rows of {columns} finite numbers, at least one. {example}")
+    if rows.ndim != 2 or rows.shape[1] != columns or not (np.abs(rows) <= LARGEST).all():
+        raise InputError(f"{path} needs rows of {columns} finite numbers up to {LARGEST:.0f}, at least one. {example}")
     unit = Unit(found[1].lower(), METRES[found[1].lower()])
     rows[:, -1] *= unit.size
     return rows, unit

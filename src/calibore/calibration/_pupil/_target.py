@@ -13,7 +13,7 @@ from pydantic import AfterValidator, Field
 from calibore.calibration._in_words import Unit
 from calibore.calibration._input_files import InputFile, input_file
 from calibore.calibration._pupil._model import Sightings
-from calibore.documents import Angle, Document, Length, filled, read_document
+from calibore.documents import Angle, Document, FileName, Length, filled, read_document
 from calibore.errors import ImageError, InputError
 from calibore.images import read_image
 from calibore.optics import LENS_LAWS
@@ -53,7 +53,7 @@ class TwoPinTarget(Document):
 
     format: Literal["calibore-target/1"]
     kind: Literal["two-pin"]
-    images: str
+    images: FileName
     slides: Annotated[tuple[LengthText, ...], Field(min_length=1)]
     turntable: Annotated[tuple[Angle, ...], Field(min_length=1)]
     near_pin: Literal["upper", "lower"]

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from calibore.calibration._in_words import Unit
 from calibore.calibration._rig._references import AHEAD, U_TILT, FlatTarget, Reference, RingGauge
-from calibore.documents import Angle, Document, Length, read_document
+from calibore.documents import Angle, Document, FileName, Length, read_document
 from calibore.errors import InputError
 from calibore.images import ImageFolder
 from calibore.lasers import Beam, Cone
@@ -25,7 +25,7 @@ class LookTable(Document):
     standard uncertainty `u`, and `u_tilt` that of its slopes.
     """
 
-    images: str
+    images: FileName
     gauge: Positive | None = None
     flat: Positive | None = None
     u: Positive
@@ -35,8 +35,8 @@ class LookTable(Document):
 class GaugesFile(Document):
     format: Literal["calibore-target/1"]
     kind: Literal["ring-gauge"]
-    rig: str
-    lens_file: str | None = None
+    rig: FileName
+    lens_file: FileName | None = None
     channel: Literal["red", "green", "blue", "luma"] | None = None
     u_tilt: Annotated[Angle, Field(gt=0)] = float(U_TILT)
     look: Annotated[tuple[LookTable, ...], Field(min_length=1)]

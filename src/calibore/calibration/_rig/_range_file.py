@@ -10,7 +10,7 @@ from pydantic import Field
 
 from calibore.calibration._in_words import Unit
 from calibore.calibration._rig._references import U_TILT
-from calibore.documents import Angle, Document, Length, read_document
+from calibore.documents import Angle, Document, FileName, Length, read_document
 from calibore.errors import InputError
 from calibore.images import ImageFolder
 from calibore.lasers import Sheet
@@ -30,15 +30,15 @@ class RangeFile(Document):
 
     format: Literal["calibore-target/1"]
     kind: Literal["range"]
-    images: str
+    images: FileName
     range_step: Positive
     range_origin: Length = 0.0
     u_range: Positive | None = None
     u_tilt: Annotated[Angle, Field(gt=0)] = float(U_TILT)
     room_light_takes: tuple[int, ...] | None = None
     channel: Literal["red", "green", "blue", "luma"] | None = None
-    rig: str | None = None
-    lens_file: str | None = None
+    rig: FileName | None = None
+    lens_file: FileName | None = None
     design_baseline: Positive | None = None
     design_aim: Annotated[Angle, Field(gt=0, lt=np.pi / 2)] | None = None
     design_k: Annotated[float, Field(gt=0)] | None = None

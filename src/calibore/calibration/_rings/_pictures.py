@@ -13,7 +13,7 @@ from pydantic import AfterValidator, Field, Strict
 
 from calibore.calibration._in_words import Unit
 from calibore.calibration._input_files import InputFile, input_file
-from calibore.documents import Document, Length, read_document
+from calibore.documents import Document, FileName, Length, read_document
 from calibore.errors import ImageError, InputError
 from calibore.images import ImageFolder, read_image
 from calibore.optics import LENS_NAMES
@@ -41,7 +41,7 @@ class RingTargetFile(Document):
 
     format: Literal["calibore-target/1"]
     kind: Literal["concentric-rings"]
-    images: Annotated[str, Field(min_length=1)]
+    images: Annotated[FileName, Field(min_length=1)]
     ring_spacing: Positive
     rings: Annotated[int, Strict(), Field(ge=FEWEST_RINGS, le=1000)]
     spokes: Annotated[int, Strict(), Field(ge=2, le=360)]
