@@ -278,6 +278,7 @@ def test_a_file_that_no_calibration_wrote_is_told(tmp_path):
         ("0.1 rad", "2 rad", "from a smaller to a larger value"),
         ('kind = "ring-gauge"', 'kind = "ring-gauge"\nzoom = 2', "calibration.zoom is not known"),
         ("values = [", "values = [ 1.0,", "4 parameters need as many values, got 5"),
+        ("covariance = [", "covariance = [ [1.0],", "4 parameters need as many rows of as many numbers"),
         ("k = 571.2", "k = 572.2", r"camera.k is 572.2\d* in the rig but was calibrated as 571.2"),
     ],
 )

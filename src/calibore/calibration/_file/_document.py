@@ -105,14 +105,19 @@ class _Heading(Document):
 def calibration_of(path: Path, file: CalibrationFile, observations: Observations) -> Calibration:
     """Everything the file says, with the `observations` it rests on."""
     table = file.calibration
-    if len(table.values) != len(table.parameters):
-        count, got = len(table.parameters), len(table.values)
+    count, got = len(table.parameters), len(table.values)
+    if got != count:
         raise InputError(f"{path}: calibration.values: {count} parameters need as many values, got {got}.")
+    if [len(row) for row in table.covariance] != [count] * count:
+        raise InputError(
+            f"{path}: calibration.covariance: {count} parameters need as many rows of as many numbers; restore the "
+            "file, or calibrate again."
+        )
     values = dict(zip(table.parameters, table.values, strict=True))
     rig, camera = _parts(path, file)
     covariance = Covariance(
         table.parameters,
-        np.array(table.covariance).reshape((len(values),) * 2),
+        np.array(table.covariance),
         degrees_of_freedom=table.parameter_degrees_of_freedom,
     )
     _check_unchanged(path, rig or camera, zip(values, values.values(), covariance.u, strict=True))
