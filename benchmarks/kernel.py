@@ -29,7 +29,9 @@ def report(rounds: int = 200) -> list[str]:
     search = (one.image, CENTRE, INNER, OUTER, 0)
     cold: Mapping[str, Callable[[], Ring]] = {
         "calibore detect_ring, with noise model and uncertainty": partial(ours, one, CENTRE),
-        "calibore detect_ring, the same without vector instructions": partial(ours, one, CENTRE, "scalar"),
+        "calibore detect_ring, the same without vector instructions": partial(ours, one, CENTRE, kernel="scalar"),
+        "calibore detect_ring, parabola as the peer, with uncertainty": partial(ours, one, CENTRE, "parabola"),
+        "calibore detect_ring, centre of gravity, with uncertainty": partial(ours, one, CENTRE, "centroid"),
         REFERENCE: partial(peer.ring, *search),
         "OpenCV warpPolar + centre of gravity": partial(peer.ring, *search, peer.gravity_peaks),
     }
@@ -50,8 +52,8 @@ def report(rounds: int = 200) -> list[str]:
     ]
 
 
-def ours(one: OneImage, centre: tuple[float, float], kernel: str = "native") -> Ring:
-    stripe = detect_ring(one.image, centre, inner=INNER, outer=OUTER, channel="red", kernel=kernel)
+def ours(one: OneImage, centre: tuple[float, float], how: str = "zero-crossing", kernel: str = "native") -> Ring:
+    stripe = detect_ring(one.image, centre, inner=INNER, outer=OUTER, channel="red", estimator=how, kernel=kernel)
     return stripe.u, stripe.v
 
 

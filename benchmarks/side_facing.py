@@ -27,7 +27,8 @@ def report(rounds: int = 100) -> list[str]:
 
     contestants: dict[str, Callable[[], np.ndarray]] = {
         "calibore detect_line down, with noise model and uncertainty": partial(ours, "zero-crossing"),
-        "calibore detect_line down, parabola": partial(ours, "parabola"),
+        "calibore detect_line down, parabola, with uncertainty": partial(ours, "parabola"),
+        "calibore detect_line down, centre of gravity, with uncertainty": partial(ours, "centroid"),
         REFERENCE: partial(peer.parabola, image, 0),
         "OpenCV blur, argmax + centre of gravity": partial(peer.gravity, image, 0),
     }

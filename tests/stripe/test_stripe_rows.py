@@ -9,11 +9,10 @@ from stripe_scenes import line_image, speckled_line
 
 from calibore.images import read_image
 from calibore.stripe import Stripe, detect_line
-from calibore.stripe._kernel import DEFAULT_KERNEL
+from calibore.stripe._kernel import KERNELS
 
 SIDE = Path(__file__).parents[2].parent / "shared" / "data" / "simulated" / "side-2.4in"
 ESTIMATORS = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation")
-KERNELS = ("native", "scalar", "numpy") if DEFAULT_KERNEL == "native" else ("numpy",)
 
 
 def assert_transposed(down: Stripe, across: Stripe) -> None:
@@ -67,7 +66,6 @@ def test_rows_without_the_line_have_no_number() -> None:
     assert stripe.found[305:].all()
 
 
-@pytest.mark.skipif(len(KERNELS) < 2, reason="the native kernel was not built")
 @pytest.mark.skipif(not SIDE.exists(), reason="needs the shared side-facing survey")
 @pytest.mark.parametrize("stop", [0, 25, 300])
 def test_both_kernels_see_the_same_rows_of_a_survey(stop: int) -> None:

@@ -12,7 +12,6 @@ from calibore.errors import ImageError
 from calibore.images import read_image
 from calibore.stripe import Stripe, detect_line, detect_ring, estimator_named
 from calibore.stripe._features import freed_of_features
-from calibore.stripe._kernel import DEFAULT_KERNEL
 from calibore.stripe._picture import prepare
 from calibore.stripe._twin import Annulus, line_numpy, ring_numpy
 
@@ -21,7 +20,6 @@ SIDE = SIMULATED / "side-2.4in"
 FOLDERS = ["plane-3in", "plane-6in", "plane-12in", "plane-30in", "plane-misaligned", "field", "epochs/A"]
 NAMES = ("zero-crossing", "parabola", "maximum", "threshold", "centroid", "correlation", "steger")
 SHAPE, CENTRE = (190, 210), (106.3, 93.8)
-native = pytest.mark.skipif(DEFAULT_KERNEL != "native", reason="the native kernel was not built")
 
 
 def outcome(image: np.ndarray, **options: Any) -> Stripe | str:
@@ -101,7 +99,6 @@ KINDS = [
 KINDS += ["luma", "16 bit luma", "not contiguous", "odd rays", "off centre", "sectors"]
 
 
-@native
 @pytest.mark.parametrize("kind", KINDS)
 def test_all_kernels_see_the_same_ring(kind: str) -> None:
     image, options = scene(kind)
@@ -110,7 +107,6 @@ def test_all_kernels_see_the_same_ring(kind: str) -> None:
     assert_identical(one, scalar)
 
 
-@native
 @pytest.mark.parametrize("name", NAMES)
 def test_all_kernels_agree_for_every_estimator(name: str) -> None:
     image, _ = scene("speckled")
@@ -124,7 +120,6 @@ def test_all_kernels_agree_for_every_estimator(name: str) -> None:
     assert_identical(one, scalar)
 
 
-@native
 @pytest.mark.parametrize("down", [True, False])
 @pytest.mark.parametrize("width", range(88, 108))
 def test_vector_instructions_change_no_byte_of_pictures_of_any_width(width: int, down: bool) -> None:
@@ -148,7 +143,6 @@ def shared(folder: str) -> tuple[np.ndarray, tuple[float, float], float]:
     return image, (width / 2, height / 2), height / 2 - 4
 
 
-@native
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_all_kernels_agree_on_the_shared_images(folder: str) -> None:
     image, centre, outer = shared(folder)
@@ -158,7 +152,6 @@ def test_all_kernels_agree_on_the_shared_images(folder: str) -> None:
     assert_identical(one, scalar)
 
 
-@native
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_the_compiled_kernel_has_freed_the_line_of_features_as_the_twin_would(folder: str) -> None:
     image, centre, outer = shared(folder)
@@ -169,7 +162,6 @@ def test_the_compiled_kernel_has_freed_the_line_of_features_as_the_twin_would(fo
     np.testing.assert_allclose(again.correlation, stripe.correlation, atol=1e-9)
 
 
-@native
 @pytest.mark.skipif(not SIDE.exists(), reason="needs the shared side-facing survey")
 @pytest.mark.parametrize("stop", [0, 150, 300])
 def test_vector_instructions_change_no_byte_of_a_side_facing_picture(stop: int) -> None:

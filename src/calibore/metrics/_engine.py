@@ -1,14 +1,13 @@
 """The compiled form of `findings_by_numpy`, which does not hold Python's lock; `native/src/rings` is its code."""
 
 from functools import lru_cache
-from importlib import import_module
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.errors import UsageError
+from calibore._native import estimate_ring
 from calibore.geometry import drawn_triples
+from calibore.kernels import is_native
 from calibore.metrics._draws import regular_size
 from calibore.metrics._findings import Findings, findings_by_numpy, grid_angles
 from calibore.metrics._noise import orthonormal_draws, plain_draws
@@ -17,24 +16,13 @@ from calibore.metrics._sizes import EXTREMES, LINEAR
 
 Array = NDArray[np.float64]
 
-_native: Any
-try:
-    _native = import_module("calibore._native")
-except ImportError:  # a source tree that was never built: slower, same numbers
-    _native = None
-
-DEFAULT_KERNEL = "numpy" if _native is None else "native"
 WALL = (*LINEAR, *EXTREMES, "ovality_harmonic")
 CLOCKS = ("diameter_min_clock", "diameter_max_clock")
 
 
 def findings_of(ring: RingShape, *, roll: float, kernel: str) -> Findings | None:
     """By `kernel`; a ring that the engine will not judge (no circle, matrices without factors) is left to the twin."""
-    if kernel not in ("native", "numpy"):
-        raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
-    if kernel == "native" and _native is None:
-        raise UsageError('The native kernel was not built; build it with "maturin develop -r" or choose "numpy".')
-    found = _by_engine(ring, roll) if kernel == "native" else None
+    found = _by_engine(ring, roll) if is_native(kernel) else None
     return found or findings_by_numpy(ring, roll=roll)
 
 
@@ -42,7 +30,7 @@ def _by_engine(ring: RingShape, roll: float) -> Findings | None:
     size, drawn = regular_size(ring.clock.size), drawn_triples(int(ring.measured.sum()))
     shape = (np.sin(ring.clock), np.cos(ring.clock), ring.radius, ring.u_independent, ring.common_mode)
     rows = [np.ascontiguousarray(values, dtype=float) for values in (*shape, ring.correlation)]
-    estimate = _native.estimate_ring(*rows, drawn, _angles(size, roll), size)
+    estimate = estimate_ring(*rows, drawn, _angles(size, roll), size)
     if estimate is None:
         return None
     core, again, possible = estimate.sizes()

@@ -13,8 +13,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from calibore.errors import InputError
+from calibore.kernels import DEFAULT_KERNEL
 from calibore.metrics import _definitions as definitions
-from calibore.metrics._engine import DEFAULT_KERNEL, findings_of
+from calibore.metrics._engine import findings_of
 from calibore.metrics._findings import Findings
 from calibore.metrics._shape import MOST, RingShape
 from calibore.metrics._sizes import EXTREMES, OVALITIES

@@ -4,13 +4,14 @@ The specification is `place_on_wall`, `grid_ring` and `rays_of`; `native/src/rin
 the engine's form. Rigs that the engine does not know are computed by the specification.
 """
 
-from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.errors import ImageError, UsageError
+from calibore._native import ring_of_line
+from calibore.errors import ImageError
+from calibore.kernels import DEFAULT_KERNEL, is_native
 from calibore.lasers import Cone
 from calibore.profiling._fold import enlargements
 from calibore.profiling._grid import POSITIONS, Ring, clock_grid, grid_ring
@@ -21,14 +22,6 @@ from calibore.stripe import Stripe
 from calibore.uncertainty import Covariance, propagate
 
 Array = NDArray[np.float64]
-
-_native: Any
-try:
-    _native = import_module("calibore._native")
-except ImportError:  # a source tree that was never built: slower, same numbers
-    _native = None
-
-DEFAULT_KERNEL = "numpy" if _native is None else "native"
 
 
 class WallRays(NamedTuple):
@@ -66,9 +59,7 @@ def line_on_wall(
     `prior_radius` [m], roughly the wall's, tells the meetings with a cone apart. `displacement` (n, 3) [m]: how far
     each point is moved in the rig frame; that is done in NumPy. What water mirrors is left out (`wet_rays`).
     """
-    if kernel not in ("native", "numpy"):
-        raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
-    form = engine_form(rig, laser) if kernel == "native" and rig.mount == FORWARD and displacement is None else None
+    form = engine_form(rig, laser) if is_native(kernel) and rig.mount == FORWARD and displacement is None else None
     if form is not None and (prior_radius is not None or not isinstance(rig.lasers[laser].surface, Cone)):
         return _by_engine(stripe, rig, form, laser=laser, prior_radius=prior_radius)
     how: Any = {"laser": laser, "prior_radius": prior_radius, "displacement": displacement}
@@ -108,7 +99,7 @@ def _by_engine(stripe: Stripe, rig: Rig, form: Any, *, laser: int, prior_radius:
     cone = (prior_radius, *enlargements()) if isinstance(rig.lasers[laser].surface, Cone) else None
     limits = None if rig.valid is None else rig.valid.limits
     line = (*line, _plain(stripe.correlation), stripe.centre)
-    found = _native.ring_of_line(form, line, rig.stripe, limits, cone, POSITIONS)
+    found = ring_of_line(form, line, rig.stripe, limits, cone, POSITIONS)
     if found is None:
         raise ImageError(NO_POINT)
     (*rays, status), ((mean, axial, u), modes, correlation, of_ring), wet = found

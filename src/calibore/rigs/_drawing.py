@@ -6,7 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from calibore._native import draw_points
 from calibore.errors import InputError
+from calibore.kernels import DEFAULT_KERNEL
 from calibore.rigs import _engine as native
 from calibore.rigs._arguments import check_choice, check_noise, pixels_of
 from calibore.rigs._measuring import choice_of
@@ -84,7 +86,7 @@ def monte_carlo(
     direction: ArrayLike | None = None,
     probability: float | None = PROBABILITY,
     keep: bool = False,
-    kernel: str = native.DEFAULT_KERNEL,
+    kernel: str = DEFAULT_KERNEL,
     threads: int | None = None,
 ) -> Drawn:
     """Wall points of the pixels `u`, `v` (n,) when the rig is drawn from its covariance, the same rig for all pixels of
@@ -103,10 +105,10 @@ def monte_carlo(
     branches = _branches(rig, u, v, laser=laser, prior_radius=prior_radius, branch=branch)
     covariance = rig.covariance or Covariance.independent({})
     seed, shifts = int(rng.integers(2**63)), covariance.draw(rng, draws)
-    if native.is_native(kernel, rig, laser):
+    if native.computes(kernel, rig, laser):
         room = 2 * u.size * draws if keep else 0
         rows, kept = np.empty((u.size, SUMMARY)), np.empty(room)
-        native.engine.draw_points(
+        draw_points(
             native.make_of(rig, laser, varied=covariance.names),
             native.values_of(rig, laser),
             _rigs(rig, laser, covariance.names, shifts),

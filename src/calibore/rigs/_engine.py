@@ -1,13 +1,13 @@
 """What the compiled engine is told of a rig, and which rigs it knows; the others go the way of its NumPy twin."""
 
 from functools import lru_cache
-from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from calibore.errors import InputError, UsageError
+from calibore.errors import InputError
+from calibore.kernels import is_native
 from calibore.lasers import Beam, Cone, LaserSurface, Plane, Sheet
 from calibore.rigs._mount import FORWARD, SideFacing
 from calibore.rigs._rig import Rig
@@ -15,13 +15,6 @@ from calibore.uncertainty import Covariance
 
 Array = NDArray[np.float64]
 
-engine: Any
-try:
-    engine = import_module("calibore._native")
-except ImportError:  # a source tree that was never built: slower, same numbers
-    engine = None
-
-DEFAULT_KERNEL = "numpy" if engine is None else "native"
 SURFACES: tuple[type[LaserSurface], ...] = (Plane, Cone, Sheet, Beam)
 LAWS = ("perspective", "stereographic", "equidistant", "sine-law", "equisolid-angle")
 CAMERA = tuple(f"camera.{name}" for name in ("k", "c1", "c2", "aspect", "principal_point_u", "principal_point_v"))
@@ -39,13 +32,9 @@ class Make(NamedTuple):
     residual: bool
 
 
-def is_native(kernel: str, rig: Rig, laser: int) -> bool:
-    """Whether the compiled engine shall and can compute this rig; raises UsageError where it was never built."""
-    if kernel not in ("native", "numpy"):
-        raise UsageError(f'Kernel "{kernel}" is not known; choose "native" or "numpy".')
-    if kernel == "native" and engine is None:
-        raise UsageError('The native kernel was not built; build it with "maturin develop -r" or choose "numpy".')
-    return kernel == "native" and _is_known(rig, rig.lasers[laser].surface)
+def computes(kernel: str, rig: Rig, laser: int) -> bool:
+    """Whether the compiled engine shall and can compute this rig."""
+    return is_native(kernel) and _is_known(rig, rig.lasers[laser].surface)
 
 
 def _is_known(rig: Rig, surface: LaserSurface) -> bool:
@@ -86,7 +75,7 @@ def engine_form(rig: Rig, laser: int) -> tuple[Make, Array, Array] | None:
     """Make, values (p,) and (m, 15) what each column of the covariance's factor does to the rig, for other engines that
     place points; None where they must be placed in NumPy.
     """
-    if engine is None or not _is_known(rig, rig.lasers[laser].surface):
+    if not _is_known(rig, rig.lasers[laser].surface):
         return None
     modes = _factor_of(rig, laser).T @ _numbers_by_parameters(rig, laser).T
     return make_of(rig, laser), values_of(rig, laser), np.ascontiguousarray(modes)

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from calibore._native import measure_points
 from calibore.errors import InputError
+from calibore.kernels import DEFAULT_KERNEL
 from calibore.lasers import Cone
 from calibore.rigs import _engine as native
 from calibore.rigs._arguments import check_choice, check_noise, pixels_of
@@ -55,7 +57,7 @@ def measure(
     prior_radius: ArrayLike | None = None,
     branch: ArrayLike | None = None,
     direction: ArrayLike | None = None,
-    kernel: str = native.DEFAULT_KERNEL,
+    kernel: str = DEFAULT_KERNEL,
     threads: int | None = None,
 ) -> Measured:
     """Wall points of the pixels `u`, `v` (n,) on `laser`, to first order in pixel and rig.
@@ -68,12 +70,12 @@ def measure(
     u, v = (np.ascontiguousarray(a, dtype=float) for a in np.broadcast_arrays(*pixels_of(u, v)))
     noise, directions = native.each(u_pixel, u.size, what="u_pixel"), native.columns(direction, u.size)
     check_noise(noise)
-    if not native.is_native(kernel, rig, laser):
+    if not native.computes(kernel, rig, laser):
         return _by_numpy(rig, u, v, noise, directions, laser=laser, prior_radius=prior_radius, branch=branch)
     choice = choice_of(rig, u.size, laser=laser, prior_radius=prior_radius, branch=branch)
     rows, status = np.empty((ROWS, u.size)), np.empty(u.size, dtype=np.uint8)
     known = native.known_of(rig, laser)
-    native.engine.measure_points(*known, u, v, choice, noise, directions, threads or 0, rows, status)
+    measure_points(*known, u, v, choice, noise, directions, threads or 0, rows, status)
     return _of_rows(rows, status)
 
 

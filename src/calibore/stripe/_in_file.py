@@ -9,8 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from calibore._native import detect_line_in as line_in_file
+from calibore._native import detect_rings_in as rings_in_file
 from calibore.stripe._estimators import estimator_named
-from calibore.stripe._kernel import as_stripe, native
+from calibore.stripe._kernel import as_stripe
 from calibore.stripe._picture import CHANNELS
 from calibore.stripe._rays import check_annulus, columns, compass, rows
 from calibore.stripe._ring import LEAST_RING, RAYS
@@ -34,16 +36,13 @@ def detect_rings_in(
 
     None where anything is in the way, which the two steps say by an exception: no such picture, another size, no ring.
     """
-    compiled = native()
-    if compiled is None or any(place.channel not in CHANNELS for place in places):
+    if any(place.channel not in CHANNELS for place in places):
         return None
     for place in places:
         check_annulus(place.centre, place.inner, place.outer, RAYS)
     where = [(CHANNELS[place.channel], place.centre, (place.inner, place.outer)) for place in places]
     direction, counted = compass(RAYS), np.ones(RAYS, dtype=bool)
-    found = compiled.detect_rings_in(
-        file, size, where, direction, counted, int(estimator_named(estimator)), limit=limit
-    )
+    found = rings_in_file(file, size, where, direction, counted, int(estimator_named(estimator)), limit=limit)
     stripes = [as_stripe(direction, *one) for one in found or ()]
     seen = all(np.count_nonzero(stripe.found) >= LEAST_RING * RAYS for stripe in stripes)
     return stripes if found is not None and seen else None
@@ -59,9 +58,8 @@ def detect_line_in(
     estimator: str = "zero-crossing",
 ) -> Stripe | None:
     """The line across the picture of `file`, or `down` it, as `detect_line` finds it; None as for `detect_rings_in`."""
-    compiled = native()
-    if compiled is None or channel not in CHANNELS:
+    if channel not in CHANNELS:
         return None
     number = int(estimator_named(estimator))
-    found = compiled.detect_line_in(file, size, CHANNELS[channel], number, down, limit=limit)
+    found = line_in_file(file, size, CHANNELS[channel], number, down, limit=limit)
     return found and as_stripe((rows if down else columns)(size[::-1]).direction, *found)

@@ -1,12 +1,13 @@
-"""Which kernel runs: the compiled one, or its NumPy twin where it was not built or is asked for.
+"""Which kernel runs: the compiled one, or its NumPy twin where that is asked for.
 
 "scalar" is the compiled one without the vector instructions of the machine: the same numbers, for comparison.
 """
 
-from importlib import import_module
 from typing import Any
 
-from calibore.errors import ImageError, UsageError
+from calibore._native import detect_line, detect_ring
+from calibore.errors import ImageError
+from calibore.kernels import is_native
 from calibore.stripe._estimators import Estimator
 from calibore.stripe._features import freed_of_features
 from calibore.stripe._noise import NoiseModel
@@ -15,31 +16,17 @@ from calibore.stripe._rays import columns, compass, rows
 from calibore.stripe._stripe import Stripe
 from calibore.stripe._twin import Annulus, line_numpy, ring_numpy
 
-_native: Any
-try:
-    _native = import_module("calibore._native")
-except ImportError:  # a source tree that was never built: slower, same numbers
-    _native = None
-
-DEFAULT_KERNEL = "numpy" if _native is None else "native"
 KERNELS = ("native", "scalar", "numpy")
-
-
-def native() -> Any:
-    """The compiled code, None where it was not built."""
-    return _native
 
 
 def ring_by(kernel: str, picture: Picture, ring: Annulus, estimator: Estimator) -> Stripe:
     """The ring in `picture`, measured by `kernel`; raises ImageError where there is none."""
-    if not _is_native(kernel):
+    if not is_native(kernel, known=KERNELS):
         return freed_of_features(ring_numpy(picture, ring, estimator))
     direction, place = compass(ring.count), (ring.centre, (ring.inner, ring.outer))
     how = int(estimator), kernel != "scalar"
     try:
-        arrays, noise, scale, centre = _native.detect_ring(
-            picture.image, picture.band, *place, direction, ring.counted, *how
-        )
+        arrays, noise, scale, centre = detect_ring(picture.image, picture.band, *place, direction, ring.counted, *how)
     except ValueError as error:
         raise ImageError(str(error)) from None
     return as_stripe(direction, arrays, noise, scale, centre)
@@ -54,15 +41,7 @@ def as_stripe(direction: Any, arrays: Any, noise: Any, scale: float, centre: Any
 
 def line_by(kernel: str, picture: Picture, estimator: Estimator, *, down: bool) -> Stripe:
     """The line across `picture`, or `down` it, measured by `kernel`."""
-    if not _is_native(kernel):
+    if not is_native(kernel, known=KERNELS):
         return freed_of_features(line_numpy(picture, estimator, down=down))
-    arrays, noise, scale = _native.detect_line(picture.image, picture.band, int(estimator), down, kernel != "scalar")
+    arrays, noise, scale = detect_line(picture.image, picture.band, int(estimator), down, kernel != "scalar")
     return as_stripe((rows if down else columns)(picture.image.shape).direction, arrays, noise, scale)
-
-
-def _is_native(kernel: str) -> bool:
-    if kernel not in KERNELS:
-        raise UsageError(f'Kernel "{kernel}" is not known; choose "native", "scalar" or "numpy".')
-    if kernel != "numpy" and _native is None:
-        raise UsageError('The native kernel was not built; build it with "maturin develop -r" or choose "numpy".')
-    return kernel != "numpy"

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import ImageError
+from calibore.kernels import DEFAULT_KERNEL
 from calibore.stripe._centre import in_sectors
 from calibore.stripe._estimators import estimator_named
-from calibore.stripe._kernel import DEFAULT_KERNEL, line_by, ring_by
+from calibore.stripe._kernel import line_by, ring_by
 from calibore.stripe._picture import prepare
 from calibore.stripe._rays import check_annulus, compass
 from calibore.stripe._stripe import Stripe
