@@ -59,9 +59,16 @@ class Scene:
 
     def bound(self) -> float:
         """Cramer-Rao bound [px] of the place on one ray, root mean square over sub-pixel phases."""
-        return float(np.sqrt(np.mean([self._variance(phase) for phase in np.linspace(-0.5, 0.5, 8, endpoint=False)])))
+        variances = []
+        for phase in np.linspace(-0.5, 0.5, 8, endpoint=False):
+            _, covariance, jacobian = self.model(phase)
+            variances.append(np.linalg.inv(jacobian.T @ np.linalg.solve(covariance, jacobian))[0, 0])
+        return float(np.sqrt(np.mean(variances)))
 
-    def _variance(self, phase: float) -> float:
+    def model(self, phase: float) -> tuple[Array, Array, Array]:
+        """Mean (m,) and covariance (m, m) of the samples of one ray, and what they change by (m, 3) with the place, with
+        the height over itself, and with the background.
+        """
         distance = np.arange(-24, 25) - phase
         bell = np.exp(-(distance**2) / (2 * self.width**2))
         line = self.peak * bell
@@ -70,8 +77,8 @@ class Scene:
         grey = 255 / SENSOR.full_well
         rounding = 1 / 12 * (255 / (2**self.bits - 1)) ** 2
         covariance += np.diag((line + BACKGROUND) * grey + (SENSOR.read_noise * grey) ** 2 + rounding)
-        jacobian = np.stack([line * distance / self.width**2, bell, np.ones_like(bell)], axis=1)
-        return float(np.linalg.inv(jacobian.T @ np.linalg.solve(covariance, jacobian))[0, 0])
+        jacobian = np.stack([line * distance / self.width**2, line, np.ones_like(bell)], axis=1)
+        return line + BACKGROUND, covariance, jacobian
 
 
 def _compressed(grey: np.ndarray[Any, Any], quality: int) -> np.ndarray[Any, Any]:

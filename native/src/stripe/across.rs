@@ -1,6 +1,7 @@
 //! Speckle across the line, learnt from the line itself (see the Python module `_across`).
 
 use super::neighbours::Standpoint;
+use super::noise::MOST_CONTRAST;
 use super::settings::Noise;
 use super::statistics::median;
 use super::windows::{Pattern, Windows};
@@ -11,18 +12,19 @@ const FEWEST: f64 = 50.0;
 const SHORTEST_GRAIN: f64 = 0.5;
 const LONGEST_GRAIN: f64 = 1e3;
 const LEAST_CONTRAST: f64 = 1e-6;
-const MOST_CONTRAST: f64 = 1.0;
 
 /// `noise` with contrast and grain from samples one and two apart; from one ray in `every`; `base` is the background of every ray's peak.
-pub fn speckle_across(windows: &Windows, stand: &Standpoint, (base, every): (&[f64], usize), noise: Noise) -> Noise {
+/// `flank`: how far from the middle samples are clipped near every ray.
+pub fn speckle_across(windows: &Windows, stand: &Standpoint, (base, flank, every): (&[f64], Option<&[f64]>, usize), noise: Noise) -> Noise {
     let (middle, apart) = (windows.count / 2, windows.apart);
-    let core = ((CORE * noise.width / apart + 0.5) as usize).clamp(1, middle);
     let calm = || (0..stand.calm.len()).step_by(every).filter(|&ray| stand.calm[ray]);
     let mut known: Vec<f64> = calm().map(|ray| base[ray]).collect();
     if known.is_empty() {
         return noise;
     }
     let background = median(&mut known);
+    let hidden = flank.map_or(0.0, |flank| median(&mut calm().map(|ray| flank[ray]).collect::<Vec<f64>>()).max(0.0));
+    let core = (((CORE * noise.width + hidden) / apart + 0.5) as usize).clamp(1, middle);
     let columns = 2 * core + 1;
     let inverse = 0.5 / (noise.width * noise.width);
     // 1 / bell where there is a sample

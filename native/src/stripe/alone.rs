@@ -4,20 +4,33 @@ use super::batch::Batch;
 use super::describe::describe;
 use super::fit::Fit;
 use super::lanes::LANES;
+use super::rays::Rays;
 use super::refine::{widest, LONGEST_STEP};
+use super::sampling::{Grey, Plane};
 use super::settings::Settings;
 use super::settle::Found;
+use super::walk::GROUP;
 
-/// One weighted Gauss-Newton step of every peak of `line` that has samples and for which `left` says so, from its own place and height.
-pub fn alone(line: &mut Found, left: impl Fn(usize) -> bool, settings: &Settings) {
+/// One weighted Gauss-Newton step of every peak of `line` that has samples and for which `left` says so, from its own place and height; there
+/// are as many samples `beside` each as the settings before asked for.
+pub fn alone<T: Grey>(
+    (plane, rays): (&Plane<T>, &Rays),
+    line: &mut Found,
+    beside: usize,
+    left: impl Fn(usize) -> bool,
+    settings: &Settings,
+) {
+    let (enough, mut whole) = (settings.side() <= beside, vec![f64::NAN; rays.samples + GROUP]);
     let mut batch = Batch::new(settings);
     let mut fit = None;
-    let mut rays = (0..line.position.len()).filter(|&ray| left(ray) && !line.samples[ray].is_empty()).peekable();
-    let side = settings.side() as f64;
-    while let Some(ray) = rays.next() {
-        let first = (line.position[ray] + 0.5).floor() - side;
-        let full = batch.add(line.samples[ray], (line.position[ray] - first, 0.0), ray);
-        if !full && rays.peek().is_some() {
+    let mut some = (0..line.position.len()).filter(|&ray| left(ray) && !line.samples[ray].is_empty()).peekable();
+    while let Some(ray) = some.next() {
+        let (first, samples) = match enough {
+            true => ((line.position[ray] + 0.5).floor() - beside as f64, line.samples[ray]),
+            false => (0.0, plane.whole(&rays.rays[ray], &mut whole)),
+        };
+        let full = batch.add(samples, (line.position[ray] - first, 0.0), ray);
+        if !full && some.peek().is_some() {
             continue;
         }
         describe(&mut batch, settings);

@@ -51,14 +51,23 @@ pub fn learn_noise<T: Grey>(plane: &Plane<T>, rays: &Rays, found: &Candidates, m
         widths.extend(good.map(|peak| peak.width));
     }
     if peaks.len() < FEWEST_TO_LEARN {
-        return settings;
+        let mut widths: Vec<f64> = found.highest().flatten().map(|peak| peak.width).collect();
+        return if widths.len() < FEWEST_TO_LEARN { settings } else { broad(settings, median(&mut widths)) };
     }
-    let width = median(&mut widths).clamp(NARROWEST_LINE, WIDEST_LINE);
+    let middle = median(&mut widths);
+    let width = middle.clamp(NARROWEST_LINE, WIDEST_LINE);
     let (additive, gain) = pixel_noise(plane, &peaks);
     let first = settings.noise.additive;
     let noise = Noise { additive: additive.max(first), gain, width, ..settings.noise };
     settings.sensor = if additive + gain > 0.0 { additive.max(QUANTISATION).min(first) } else { first };
     settings.noise = speckle(noise, &height, rays.spacing);
+    broad(settings, middle)
+}
+
+/// `settings` for a line of that `width`.
+fn broad(mut settings: Settings, width: f64) -> Settings {
+    let width = width.clamp(NARROWEST_LINE, WIDEST_LINE);
+    settings.noise.width = width;
     if settings.estimator == Estimator::Parabola {
         return settings;
     }

@@ -8,7 +8,6 @@ const FEWEST_BESIDE: usize = 4;
 const LARGEST_PART: usize = 16;
 const ASTRAY: f64 = 3.0;
 const CALM: f64 = 0.75;
-const PLATEAU: f64 = 0.5;
 
 /// Where rays are looked at from (see the Python class `Standpoint`).
 pub struct Standpoint {
@@ -19,15 +18,14 @@ pub struct Standpoint {
     pub rough: f64,
 }
 
-/// From `position` and `height` of the peaks of rays `spacing` apart, NaN where there is none, and which are saturated.
+/// From `position` and `height` of the peaks of rays `spacing` apart, NaN where there is none.
 pub fn standpoints(
     (position, height): (&[f64], Option<Vec<f64>>),
     line: &Found,
     (within, spacing): (f64, f64),
     closed: bool,
 ) -> Standpoint {
-    let most = FEWEST_BESIDE.max(position.len() / LARGEST_PART);
-    let reach = ((within / spacing).ceil() as usize).clamp(FEWEST_BESIDE, most);
+    let reach = reach_of(position.len(), within, spacing);
     let near = Near { reach, closed };
     let seen: Vec<bool> = position.iter().map(|place| place.is_finite()).collect();
     let (guide, _) = near.line(position, &seen);
@@ -40,17 +38,13 @@ pub fn standpoints(
     let enough = CALM * (2 * reach + 1) as f64;
     let calm: Vec<bool> =
         (0..position.len()).map(|ray| straight[ray] && (position[ray] - guide[ray]).abs() <= limit && count[ray] >= enough).collect();
-    let plateau = match line.saturated.contains(&true) {
-        true => {
-            let saturated: Vec<f64> = line.saturated.iter().map(|&saturated| f64::from(u8::from(saturated))).collect();
-            near.mean(&saturated, &seen).into_iter().map(|share| share > PLATEAU).collect()
-        }
-        false => vec![false; position.len()],
-    };
-    let own = |ray: usize| if plateau[ray] { f64::NAN } else { position[ray] };
-    let start = (0..position.len()).map(|ray| if calm[ray] && !plateau[ray] { guide[ray] } else { own(ray) }).collect();
-    let calm = calm.into_iter().zip(plateau).map(|(calm, plateau)| calm && !plateau).collect();
+    let start = (0..position.len()).map(|ray| if calm[ray] { guide[ray] } else { position[ray] }).collect();
     Standpoint { start, height: height.unwrap_or_else(|| near.mean(line.height, &seen)), calm, rough }
+}
+
+/// Neighbours on each side of a ray, of `count` rays `spacing` apart, that lie `within` of it.
+pub fn reach_of(count: usize, within: f64, spacing: f64) -> usize {
+    ((within / spacing).ceil() as usize).clamp(FEWEST_BESIDE, FEWEST_BESIDE.max(count / LARGEST_PART))
 }
 
 /// The rays within `reach` of each.

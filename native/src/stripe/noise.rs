@@ -22,6 +22,7 @@ pub const NORMAL: f64 = 1.4826;
 const DIGITS: usize = 1 << 11;
 const FEWEST_PAIRS: usize = 16;
 pub const CONTRAST: f64 = 0.04;
+pub const MOST_CONTRAST: f64 = 1.0;
 
 /// Least standard deviation of a pixel: that of rounding to whole grey values.
 pub fn background_noise(median_difference: f64) -> f64 {
@@ -163,7 +164,7 @@ pub fn speckle(noise: Noise, height: &[f64], spacing: f64) -> Noise {
     let shared = (1.0 - near / spread.max(1e-12)).clamp(0.05, 0.95);
     let blur = (close as f64 * spacing / (-4.0 * shared.ln()).sqrt()).min(0.95 * noise.width);
     let grain = 1.0 / (1.0 / (blur * blur) - 1.0 / (noise.width * noise.width)).sqrt();
-    Noise { contrast: spread.clamp(1e-6, 1.0), grain: grain.min(1e3), ..noise }
+    Noise { contrast: spread.clamp(1e-6, MOST_CONTRAST), grain: grain.min(1e3), ..noise }
 }
 
 /// Half the robust variance of the differences of values `lag` rays apart.

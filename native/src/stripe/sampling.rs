@@ -2,9 +2,9 @@
 
 use std::ops::BitAnd;
 
-use super::rays::{Track, ONE};
+use super::rays::{Ray, Track, ONE};
 use super::vectors::Vectors;
-use super::walk::bilinear;
+use super::walk::{bilinear, GROUP};
 
 /// A grey value of 8 or 16 bits.
 pub trait Grey:
@@ -121,6 +121,18 @@ impl<T: Grey> Plane<'_, T> {
         let at = track.at(first);
         let whole = at.iter().all(|place| *place >= 0 && *place & (ONE - 1) == 0);
         whole.then(|| (self.data.get(self.index((at[0] >> 32) as usize, (at[1] >> 32) as usize)..).unwrap_or(&[]), pace))
+    }
+
+    /// Bilinear brightness of all samples of a ray, NaN outside the picture, in `values` with room for a group behind them.
+    pub fn whole<'a>(&self, ray: &Ray, values: &'a mut [f64]) -> &'a [f64] {
+        let (track, samples) = (ray.track(), values.len() - GROUP);
+        let (first, end) = track.inside(self.width, self.height, samples);
+        values.fill(f64::NAN);
+        if first < end {
+            self.interpolate(&track, (first, end), values);
+            values[end..].fill(f64::NAN);
+        }
+        &values[..samples]
     }
 
     /// Bilinear brightness of the samples from `first` to before `end`, all of which are inside, at their places among the `values`.

@@ -4,8 +4,10 @@ use super::across::speckle_across;
 use super::alone::alone;
 use super::anchor::{anchor, Anchor};
 use super::breadth::breadth;
+use super::flanks::Flanks;
 use super::generalised::{functionals, Functional};
 use super::neighbours::{standpoints, Standpoint};
+use super::plateau::on_plateaus;
 use super::rays::Rays;
 use super::refine::LONGEST_STEP;
 use super::sampling::{Grey, Plane};
@@ -44,21 +46,24 @@ pub fn settle<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings:
     if settings.estimator != Estimator::ZeroCrossing || !line.position.iter().any(|place| place.is_finite()) {
         return settings.noise.clone();
     }
-    let mut second = look(plane, rays, &line, line.position, settings, (REACH, None));
-    if let Some(first) = second {
-        // from better places they are better still
-        let known: Vec<f64> = first.place.iter().zip(line.position.iter()).map(|(a, b)| if a.is_nan() { *b } else { *a }).collect();
-        let told = first.rough <= ROUGH * first.noise.width;
-        second = look(plane, rays, &line, &known, settings, (NEAR, told.then_some(first)));
+    if !line.saturated.contains(&true) {
+        return settled(plane, rays, line, settings);
     }
-    let Some(Look { place: settled, u, calm, noise, .. }) = second else {
-        alone(&mut line, |_| true, settings);
-        return settings.noise.clone();
-    };
+    let samples = on_plateaus(plane, rays, &mut line, settings);
+    let samples: Vec<&[f64]> = samples.iter().map(|samples| &samples[..]).collect();
+    settled(plane, rays, Found { samples: &samples, ..line }, settings)
+}
+
+fn settled<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings: &Settings) -> Noise {
+    let first = look(plane, rays, &line, line.position, settings, (REACH, None));
+    // from better places they are better still
+    let known: Vec<f64> = first.place.iter().zip(line.position.iter()).map(|(a, b)| if a.is_nan() { *b } else { *a }).collect();
+    let told = first.rough <= ROUGH * first.noise.width;
+    let Look { place: settled, u, calm, noise, .. } = look(plane, rays, &line, &known, settings, (NEAR, told.then_some(first)));
     let Anchor { aside, astray } = anchor(line.position, &settled, &calm, noise.width, rays.spacing);
     let left = Settings { noise: noise.clone(), ..settings.clone() };
     let stays = |ray: usize| settled[ray].is_nan();
-    alone(&mut line, stays, &left);
+    alone((plane, rays), &mut line, settings.side(), stays, &left);
     for ray in (0..settled.len()).filter(|&ray| !settled[ray].is_nan()) {
         let (place, off) = (settled[ray] + aside, line.position[ray] - settled[ray] - aside);
         (line.position[ray], line.u[ray]) = if off.abs() <= astray { (place, u[ray]) } else { (line.position[ray], u[ray].hypot(off)) };
@@ -86,18 +91,22 @@ fn look<T: Grey>(
     known: &[f64],
     settings: &Settings,
     (reach, before): (f64, Option<Look>),
-) -> Option<Look> {
+) -> Look {
     let (told, height) = before.map(|before| ((before.noise, before.response), before.height)).unzip();
     let width = told.as_ref().map_or(settings.noise.width, |(noise, _)| noise.width);
     let mut stand = standpoints((known, height), line, (reach * width, rays.spacing), rays.closed);
-    if stand.start.iter().all(|start| start.is_nan()) {
-        return None;
-    }
     stand.start.iter_mut().for_each(|start| *start = standing(*start));
     let mut windows = Windows::about(plane, rays, line, (&stand.start, &stand.height), settings);
     let every = (known.len() / ENOUGH).max(1);
     let longest = LONGEST_STEP.max(FARTHEST * width);
-    let second = Second { windows: &windows, stand: &stand, settings, every, longest };
+    let mut flanks = None;
+    if told.is_none() && windows.clipped.iter().any(|clipped| *clipped >= 0.0) {
+        let noise = Noise { additive: settings.sensor, ..settings.noise.clone() };
+        let seen = flanks.insert(Flanks::of(&windows, &mut stand, rays, noise, (reach * width, every)));
+        stand.height = seen.height.clone();
+        windows = windows.raised(&stand.height);
+    }
+    let second = Second { windows: &windows, stand: &stand, flanks: flanks.as_ref(), settings, every, longest };
     let (noise, response) = told.unwrap_or_else(|| {
         let noise = second.noise(rays, line.base);
         let response = second.response(&noise);
@@ -120,13 +129,15 @@ fn look<T: Grey>(
     let place = |ray: usize| if kept(ray) { stand.start[ray] + moved[ray] / response } else { f64::NAN };
     let place = (0..moved.len()).map(place).collect();
     u.iter_mut().for_each(|u| *u /= response);
-    Some(Look { place, u, calm: stand.calm, noise, rough: stand.rough, height: stand.height, response })
+    Look { place, u, calm: stand.calm, noise, rough: stand.rough, height: stand.height, response }
 }
 
 /// The second look at all rays.
 struct Second<'a> {
     windows: &'a Windows,
     stand: &'a Standpoint,
+    /// Where the line is clipped.
+    flanks: Option<&'a Flanks>,
     settings: &'a Settings,
     /// What holds for the whole picture is learnt from one ray in so many.
     every: usize,
@@ -141,9 +152,15 @@ impl Second<'_> {
 
     /// The noise of the line, learnt from the line itself.
     fn noise(&self, rays: &Rays, base: &[f64]) -> Noise {
-        let noise = Noise { additive: self.settings.sensor, ..self.settings.noise.clone() };
-        let noise = breadth(self.windows, self.stand, self.every, noise);
-        self.best_floor(rays, speckle_across(self.windows, self.stand, (base, self.every), noise))
+        let noise = match self.flanks {
+            Some(seen) => speckle_across(&seen.windows, self.stand, (base, Some(&seen.flank), self.every), seen.noise.clone()),
+            None => {
+                let noise = Noise { additive: self.settings.sensor, ..self.settings.noise.clone() };
+                let noise = breadth(self.windows, self.stand, self.every, noise);
+                speckle_across(self.windows, self.stand, (base, None, self.every), noise)
+            }
+        };
+        self.best_floor(rays, noise)
     }
 
     /// `noise` with the additive noise under which neighbours agree best.

@@ -2,11 +2,13 @@
 
 use std::collections::HashMap;
 
+use super::plateau::bright_rays;
 use super::rays::{Ray, Rays};
 use super::sampling::{Grey, Plane};
 use super::settings::Settings;
 use super::settle::Found;
 use super::statistics::floor;
+use super::walk::GROUP;
 
 /// Standpoints lie on this part of a pixel.
 pub const PHASES: f64 = 8.0;
@@ -15,12 +17,14 @@ pub const FOUR: usize = 4;
 
 /// What rays have in common that weight their samples alike: distance of the middle of the window from the standpoint, usual height of the
 /// line, and the missing samples, one bit each.
+#[derive(Clone)]
 pub struct Pattern {
     pub fraction: f64,
     pub height: f64,
     pub missing: u32,
 }
 
+#[derive(Clone)]
 pub struct Windows {
     pub count: usize,
     /// Distance of neighbouring samples.
@@ -33,11 +37,18 @@ pub struct Windows {
     known: HashMap<(i16, i16, u32), usize>,
     /// The pattern looked up before of every phase.
     last: [(i16, u32, usize); PHASES as usize + 1],
-    /// By rows; 0 where they are missing.
+    /// By rows; 0 where they are missing, but for clipped ones.
     values: Vec<f64>,
     row: usize,
     samples: usize,
-    /// Memory for the samples of one ray at their places, and for those of its window.
+    /// How far from the standpoint the farthest clipped sample of each ray is; -1 where none is.
+    pub clipped: Vec<f64>,
+    /// Which are, one bit each.
+    white_bits: Vec<u32>,
+    /// Which rays may have clipped samples, none where no ray has; and from which brightness on they are.
+    bright: Option<Vec<bool>>,
+    white: f64,
+    /// Memory for the samples of one ray at their places and a group behind them, and for those of its window.
     line: Vec<f64>,
     window: Vec<f64>,
 }
@@ -68,7 +79,11 @@ impl Windows {
             values: vec![0.0; row * number],
             row,
             samples: rays.samples,
-            line: vec![f64::NAN; rays.samples],
+            clipped: vec![-1.0; number],
+            white_bits: vec![0; number],
+            bright: bright_rays(line, settings),
+            white: settings.saturated_from(),
+            line: vec![f64::NAN; rays.samples + GROUP],
             window: vec![f64::NAN; count * group],
         };
         for (number, ray) in rays.rays.iter().enumerate().filter(|(number, _)| start[*number].is_finite()) {
@@ -90,18 +105,20 @@ impl Windows {
         let low = middle - (long / 2) as i64;
         let from = usize::try_from(low - first).ok().and_then(|from| known.get(from..from + long));
         let missing = match from {
-            Some(samples) if long == self.count => take(&mut self.values[number * self.row..][..long], samples),
+            Some(samples) if long == self.count && !self.is_bright(number) => take(&mut self.values[number * self.row..][..long], samples),
             Some(samples) => {
                 self.window.copy_from_slice(samples);
+                self.note_clipped(plane, ray, (low, start), number);
                 self.grouped(number)
             }
             None => {
                 self.read(plane, ray, low);
+                self.note_clipped(plane, ray, (low, start), number);
                 self.grouped(number)
             }
         };
         self.fraction[number] = middle as f64 - start;
-        self.pattern[number] = self.pattern_of(middle as f64 - start, height, missing);
+        self.pattern[number] = self.pattern_of(middle as f64 - start, height, missing | self.white_bits[number]);
     }
 
     /// Reads the samples of the window from `low` on from the picture.
@@ -115,6 +132,50 @@ impl Windows {
             plane.interpolate(&track, (seen.start, seen.end), &mut self.line);
             self.window[(from - low) as usize..(to - low) as usize].copy_from_slice(&self.line[seen]);
         }
+    }
+
+    fn is_bright(&self, number: usize) -> bool {
+        self.bright.as_ref().is_some_and(|bright| bright[number])
+    }
+
+    /// Notes which samples of the window from `low` on, looked at from `start`, are clipped.
+    fn note_clipped<T: Grey>(&mut self, plane: &Plane<T>, ray: &Ray, (low, start): (i64, f64), number: usize) {
+        (self.white_bits[number], self.clipped[number]) = (0, -1.0);
+        if !self.is_bright(number) {
+            return;
+        }
+        let (track, group) = (ray.track(), self.window.len() / self.count);
+        let fraction = floor(start + 0.5) as f64 - start;
+        for k in 0..self.window.len() {
+            if !self.window[k].is_nan() && plane.is_clipped(track.at((low + k as i64) as usize), self.white) {
+                self.white_bits[number] |= 1 << (k / group);
+                self.clipped[number] = self.clipped[number].max((self.offset(k / group) + fraction).abs());
+            }
+        }
+    }
+
+    /// The same samples where the line is `height`, without those that are clipped.
+    pub fn raised(&self, height: &[f64]) -> Windows {
+        self.again(height, |_, missing| missing)
+    }
+
+    /// The same samples with those that are clipped, but without those up to `flank` from the standpoint.
+    pub fn beyond(&self, height: &[f64], flank: &[f64]) -> Windows {
+        self.again(height, |ray, missing| {
+            let near = (0..self.count).filter(|&k| (self.offset(k) + self.fraction[ray]).abs() <= flank[ray]);
+            near.fold(missing & !self.white_bits[ray], |missing, k| missing | 1 << k)
+        })
+    }
+
+    /// The same samples where the line is `height`, without the `missing` ones of each ray.
+    fn again(&self, height: &[f64], missing: impl Fn(usize, u32) -> u32) -> Windows {
+        let mut again =
+            Windows { patterns: Vec::new(), known: HashMap::new(), last: [(0, u32::MAX, 0); PHASES as usize + 1], ..self.clone() };
+        for (ray, height) in height.iter().enumerate() {
+            let missing = missing(ray, self.patterns[self.pattern[ray]].missing);
+            again.pattern[ray] = again.pattern_of(self.fraction[ray], *height, missing);
+        }
+        again
     }
 
     /// Notes the means of the groups of the window; which of them are missing, one bit each.

@@ -21,19 +21,20 @@ SHORTEST_GRAIN = 0.5
 
 
 def speckle_across(
-    windows: Windows, stand: Standpoint, base: Array, noise: NoiseModel, *, every: int = 1
+    windows: Windows, stand: Standpoint, base: Array, noise: NoiseModel, *, every: int = 1, flank: Array | None = None
 ) -> NoiseModel:
     """`noise` with contrast and grain from samples one and two apart in `windows` about `stand`, which share no noise
     of the sensor, on one ray in `every`; `base` (n,) is the background of every ray's peak. A contrast above that of
     `noise`, learnt along the line, is that of a line which strays from where its neighbours say, and is not taken.
     """
     apart, middle = windows.apart, windows.value.shape[1] // 2
-    core = int(np.clip(np.floor(CORE * noise.width / apart + 0.5), 1, middle))
-    columns = slice(middle - core, middle + core + 1)
     few = slice(None, None, every)
     calm = stand.calm[few]
     if not calm.any():
         return noise
+    hidden = 0.0 if flank is None else max(float(np.median(flank[few][calm])), 0.0)
+    core = int(np.clip(np.floor((CORE * noise.width + hidden) / apart + 0.5), 1, middle))
+    columns = slice(middle - core, middle + core + 1)
     bell = np.exp(-(windows.distance[few] ** 2) / (2 * noise.width**2))
     line, background = stand.height[few, None] * bell, float(np.median(base[few][calm]))
     share = ((windows.value[few] - background) / np.where(line > 0, line, np.nan))[calm, columns]

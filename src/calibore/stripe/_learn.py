@@ -56,7 +56,8 @@ def learn_noise(picture: Picture, rays: Rays, peaks: Peaks, settings: ScanSettin
     """`settings` with the noise model, line width and window learnt from the `peaks` found along `rays`."""
     good = np.isfinite(peaks.position[:, 0]) & ~peaks.saturated[:, 0]
     if good.sum() < FEWEST_TO_LEARN:
-        return settings
+        seen = np.isfinite(peaks.position[:, 0])
+        return _broad(settings, peaks.width[seen, 0]) if seen.sum() >= FEWEST_TO_LEARN else settings
     width = float(np.clip(np.median(peaks.width[good, 0]), NARROWEST_LINE, WIDEST_LINE))
     column, row = rays.at(peaks.position[:, 0])
     additive, gain = pixel_noise(picture.plane(), column[good], row[good], rays.direction[good])
@@ -64,7 +65,13 @@ def learn_noise(picture: Picture, rays: Rays, peaks: Peaks, settings: ScanSettin
     sensor = min(max(additive, QUANTISATION), first) if additive + gain > 0 else first
     model = replace(settings.noise, additive=max(additive, first), gain=gain, width=width)
     model = speckle(model, np.where(good, peaks.height[:, 0], np.nan), spacing=rays.spacing)
-    settings = replace(settings, noise=model, sensor=sensor)
+    return _broad(replace(settings, noise=model, sensor=sensor), peaks.width[good, 0])
+
+
+def _broad(settings: ScanSettings, widths: Array) -> ScanSettings:
+    """`settings` for a line of the median of the `widths` (n,) [px] of peaks."""
+    width = float(np.clip(np.median(widths), NARROWEST_LINE, WIDEST_LINE))
+    settings = replace(settings, noise=replace(settings.noise, width=width))
     if settings.estimator is Estimator.PARABOLA:
         return settings
     window = int(np.clip(2 * round(2 * width), SMALLEST_WINDOW, LARGEST_WINDOW))

@@ -15,9 +15,6 @@ ASTRAY = 3.0
 CALM = 0.75
 """Share of the rays near a place that must belong to a straight piece of line for them to say where it is."""
 
-PLATEAU = 0.5
-"""Where more than this share of the peaks nearby are saturated, nobody knows how high the line is."""
-
 
 @dataclass(frozen=True)
 class Standpoint:
@@ -33,13 +30,12 @@ class Standpoint:
 
 
 def standpoints(
-    position: Array, height: Array, saturated: NDArray[np.bool_], *, within: float, spacing: float, closed: bool
+    position: Array, height: Array, *, within: float, spacing: float, closed: bool
 ) -> Standpoint:
     """From `position`, `height` (n,) of the peaks of rays `spacing` [px] apart and which are `saturated` (n,), by
     straight lines through those `within` [px] of each.
     """
-    most = max(FEWEST_BESIDE, position.size // LARGEST_PART)
-    reach = int(np.clip(np.ceil(within / spacing), FEWEST_BESIDE, most))
+    reach = reach_of(position.size, within, spacing)
     seen = np.isfinite(position)
     astray = np.abs(position - _Near(seen, reach, closed).line(position))
     rough = NORMAL * float(np.median(astray[seen]))
@@ -49,9 +45,12 @@ def standpoints(
     guide = near.line(position)
     calm = straight & (np.abs(position - guide) <= limit) & (near.count >= CALM * (2 * reach + 1))
     known = _Near(seen, reach, closed)
-    plateau = known.mean(saturated.astype(np.float64)) > PLATEAU
-    start = np.where(plateau, np.nan, np.where(calm, guide, position))
-    return Standpoint(start, known.mean(height), calm & ~plateau, rough)
+    return Standpoint(np.where(calm, guide, position), known.mean(height), calm, rough)
+
+
+def reach_of(count: int, within: float, spacing: float) -> int:
+    """Neighbours on each side of a ray, of `count` rays `spacing` [px] apart, that lie `within` [px] of it."""
+    return int(np.clip(np.ceil(within / spacing), FEWEST_BESIDE, max(FEWEST_BESIDE, count // LARGEST_PART)))
 
 
 class _Near:

@@ -19,7 +19,9 @@ from calibore.stripe._estimators import Estimator, ScanSettings
 from calibore.stripe._generalised import generalised_step
 from calibore.stripe._neighbours import Standpoint, standpoints
 from calibore.stripe._noise import NoiseModel
-from calibore.stripe._picture import Picture
+from calibore.stripe._flanks import beyond, flanks_of, learn_flanks
+from calibore.stripe._picture import Picture, bilinear, inside_of
+from calibore.stripe._plateau import bright_rays, plateau_middles
 from calibore.stripe._rays import Rays
 from calibore.stripe._refine import LONGEST_STEP
 from calibore.stripe._scatter import neighbour_scatter
@@ -77,6 +79,7 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
     """`line` looked at again; only for the default estimator."""
     if settings.estimator is not Estimator.ZERO_CROSSING or not np.isfinite(line.position).any():
         return Settled(line.position, line.u, settings.noise)
+    line = _on_plateaus(picture, rays, line)
     look = _look(picture, rays, line, line.position, settings, reach=REACH)
     if look is not None:  # from better places they are better still
         known = np.where(np.isnan(look.place), line.position, look.place)
@@ -92,6 +95,15 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
     kept, lost = off <= anchored.astray, np.isnan(place)
     first, doubt = alone(picture, rays, line.position, lost, replace(settings, noise=noise))
     return Settled(np.where(kept, place, first), np.where(lost, doubt, np.where(kept, u, np.hypot(u, off))), noise)
+
+
+def _on_plateaus(picture: Picture, rays: Rays, line: Found) -> Found:
+    """`line` with its saturated peaks in the middle of their plateaus."""
+    if not line.saturated.any():
+        return line
+    plane = picture.plane()
+    samples = bilinear(plane, rays, inside_of(plane, rays))
+    return replace(line, position=plateau_middles(samples, line.position, line.height, line.base, line.saturated))
 
 
 @dataclass(frozen=True)
@@ -124,23 +136,29 @@ def _look(
     """
     width, every = (settings.noise if before is None else before.noise).width, max(known.size // ENOUGH, 1)
     stand = standpoints(
-        known, line.height, line.saturated, within=reach * width, spacing=rays.spacing, closed=rays.closed
+        known, line.height, within=reach * width, spacing=rays.spacing, closed=rays.closed
     )
-    if np.isnan(stand.start).all():
-        return None
     stand = replace(stand, start=standing(stand.start), height=stand.height if before is None else before.height)
-    windows, longest = windows_about(picture, rays, stand.start, settings), max(LONGEST_STEP, FARTHEST * width)
+    bright = bright_rays(line.height, line.base, line.saturated, settings)
+    windows, longest = windows_about(picture, rays, stand.start, settings, bright), max(LONGEST_STEP, FARTHEST * width)
     if before is not None:
         noise, response = before.noise, before.response
     else:
-        noise = breadth(windows, stand, replace(settings.noise, additive=settings.sensor), every=every)
-        noise = speckle_across(windows, stand, line.base, noise, every=every)
+        noise, seen, flank = replace(settings.noise, additive=settings.sensor), windows, None
+        if (windows.clipped >= 0).any():
+            flank = flanks_of(windows, rays, within=reach * width)
+            seen = beyond(windows, flank)
+            height, noise = learn_flanks(seen, stand, flank, noise, rays, within=reach * width, every=every)
+            stand = replace(stand, height=height)
+        else:
+            noise = breadth(windows, stand, noise, every=every)
+        noise = speckle_across(seen, stand, line.base, noise, every=every, flank=flank)
         noise = _best_floor(windows, stand, rays, noise, every, longest)
         response = _response(windows, stand, noise, every)
     moved, u = generalised_step(windows, stand.height, noise)
     misled = stand.calm & ~(np.abs(moved) <= MISLED * u)
     start = np.where(misled, standing(known), stand.start)
-    moved, u = generalised_step(windows_about(picture, rays, start, settings), stand.height, noise)
+    moved, u = generalised_step(windows_about(picture, rays, start, settings, bright), stand.height, noise)
     place = start + np.where(np.abs(moved / response) <= longest, moved / response, np.nan)
     return Look(place, u / response, stand.calm & ~misled, noise, stand.rough, stand.height, response)
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from calibore.stripe._estimators import ScanSettings
 from calibore.stripe._picture import Picture, bilinear, inside_of
+from calibore.stripe._plateau import clipped_samples
 from calibore.stripe._rays import Rays
 
 Array = NDArray[np.float64]
@@ -16,17 +17,21 @@ PHASES = 8
 
 @dataclass(frozen=True)
 class Windows:
-    """Samples of n rays: brightness `value` (n, m), NaN outside the picture, at `distance` (n, m) [px]
-    from where each ray is looked at from, `apart` [px] from each other.
+    """Samples of n rays: brightness as it is `shown` (n, m), NaN outside the picture; its `value`, NaN where clipped,
+    too; at `distance` (n, m) [px] from where each ray is looked at from, `apart` [px] from each other; how far from
+    there the farthest `clipped` sample is (n,) [px], -1 where none is.
     """
 
+    shown: Array
     value: Array
     distance: Array
     apart: float
+    clipped: Array
 
     def few(self, every: int) -> "Windows":
         """One ray in `every`."""
-        return Windows(self.value[::every], self.distance[::every], self.apart)
+        shown, value = self.shown[::every], self.value[::every]
+        return Windows(shown, value, self.distance[::every], self.apart, self.clipped[::every])
 
 
 def standing(start: Array) -> Array:
@@ -34,8 +39,11 @@ def standing(start: Array) -> Array:
     return np.floor(start * PHASES + 0.5) / PHASES
 
 
-def windows_about(picture: Picture, rays: Rays, start: Array, settings: ScanSettings) -> Windows:
-    """About `start` (n,) [px along the rays], NaN for rays without."""
+def windows_about(
+    picture: Picture, rays: Rays, start: Array, settings: ScanSettings, bright: NDArray[np.bool_] | None
+) -> Windows:
+    """About `start` (n,) [px along the rays], NaN for rays without; clipped samples are left out of `bright` rays (n,).
+    """
     known, plane, group = np.isfinite(start), picture.plane(), settings.group
     start = np.where(known, start, 0.0)
     middle = np.floor(start + 0.5).astype(np.intp)
@@ -44,6 +52,14 @@ def windows_about(picture: Picture, rays: Rays, start: Array, settings: ScanSett
     at = middle[:, None] + offset
     inside = known[:, None] & (at >= 0) & (at < rays.samples)
     every = bilinear(plane, rays, inside_of(plane, rays))
-    value = np.where(inside, np.take_along_axis(every, np.clip(at, 0, rays.samples - 1), axis=1), np.nan)
+    shown = np.where(inside, np.take_along_axis(every, np.clip(at, 0, rays.samples - 1), axis=1), np.nan)
     distance = offset.reshape(-1, group).mean(axis=1) + (middle - start)[:, None]
-    return Windows(value.reshape(len(start), -1, group).mean(axis=2), distance, float(group))
+    shown, reach = shown.reshape(len(start), -1, group).mean(axis=2), np.full(start.size, -1.0)
+    value = shown
+    if bright is not None:
+        white = np.take_along_axis(clipped_samples(picture, rays), np.clip(at, 0, rays.samples - 1), axis=1)
+        white &= inside & bright[:, None]
+        white = white.reshape(len(start), -1, group).any(axis=2)
+        value = np.where(white, np.nan, shown)
+        reach = np.max(np.where(white, np.abs(distance), -1.0), axis=1)
+    return Windows(shown, value, distance, float(group), reach)
