@@ -24,7 +24,11 @@ def clipped_scenes() -> dict[str, Scene]:
     """Lines up to four times as bright as their pictures can show."""
     kinds = ((w, c, p) for w in (1.5, 2.0, 3.0) for c in (0.0, 0.1, 0.3) for p in PEAKS)
     scenes = {f"width {w}, contrast {c}, peak {p:.0f}": Scene(w, p, c) for w, c, p in kinds}
-    return scenes | {f"16 bits, {name}": replace(scenes[name], bits=16) for name in scenes if name.startswith("width 2.0, contrast 0.1")}
+    return scenes | {
+        f"16 bits, {name}": replace(scenes[name], bits=16)
+        for name in scenes
+        if name.startswith("width 2.0, contrast 0.1")
+    }
 
 
 def clipped_bound(scene: Scene, seed: int = 0) -> float:

@@ -41,6 +41,7 @@ mod scan;
 mod scatter;
 mod settings;
 mod settle;
+mod smear;
 mod sparse;
 mod statistics;
 mod trace;

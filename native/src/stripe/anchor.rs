@@ -18,9 +18,14 @@ pub struct Anchor {
     pub astray: f64,
 }
 
-/// From the places `first` and `second` of the rays that are `calm`.
-pub fn anchor(first: &[f64], second: &[f64], calm: &[bool], width: f64, spacing: f64) -> Anchor {
-    let off: Vec<f64> = first.iter().zip(second).zip(calm).map(|((a, b), calm)| if *calm { a - b } else { f64::NAN }).collect();
+/// From the places `first` and `second` of the rays that are `calm`; where the top is `hidden` (nowhere where that is empty), no look has seen it.
+pub fn anchor((first, second): (&[f64], &[f64]), calm: &[bool], hidden: &[bool], width: f64, spacing: f64) -> Anchor {
+    let mut off: Vec<f64> = first.iter().zip(second).zip(calm).map(|((a, b), calm)| if *calm { a - b } else { f64::NAN }).collect();
+    let about = |values: &[f64], middle: f64| {
+        NORMAL * median(&mut values.iter().filter(|v| !v.is_nan()).map(|v| (v - middle).abs()).collect::<Vec<f64>>())
+    };
+    let all = hidden.contains(&true).then(|| off.clone());
+    off.iter_mut().zip(hidden).filter(|(_, hidden)| **hidden).for_each(|(off, _)| *off = f64::NAN);
     let block = ((BLOCK * width / spacing) as usize).max(SHORTEST_BLOCK);
     let mean = |some: &[f64]| {
         let known: Vec<f64> = some.iter().copied().filter(|off| !off.is_nan()).collect();
@@ -28,12 +33,12 @@ pub fn anchor(first: &[f64], second: &[f64], calm: &[bool], width: f64, spacing:
     };
     let blocks: Vec<f64> = off.chunks(block).filter_map(mean).collect();
     if blocks.len() < FEWEST_BLOCKS {
-        return Anchor { aside: 0.0, astray: f64::INFINITY };
+        let mut known: Vec<f64> = all.iter().flatten().copied().filter(|off| !off.is_nan()).collect();
+        let astray = if known.is_empty() { f64::INFINITY } else { ASTRAY * about(&known.clone(), median(&mut known)) };
+        return Anchor { aside: 0.0, astray };
     }
     let middle = median(&mut blocks.clone());
-    let about =
-        |values: &[f64]| NORMAL * median(&mut values.iter().filter(|v| !v.is_nan()).map(|v| (v - middle).abs()).collect::<Vec<f64>>());
-    let doubt = about(&blocks) * (CERTAIN * OF_MEDIAN / (blocks.len() as f64).sqrt()).max(1.0);
+    let doubt = about(&blocks, middle) * (CERTAIN * OF_MEDIAN / (blocks.len() as f64).sqrt()).max(1.0);
     let part = if middle == 0.0 { 0.0 } else { (1.0 - (doubt / middle).powi(2)).max(0.0) };
-    Anchor { aside: HALF * middle * part, astray: ASTRAY * about(&off) }
+    Anchor { aside: HALF * middle * part, astray: ASTRAY * about(all.as_ref().unwrap_or(&off), middle) }
 }

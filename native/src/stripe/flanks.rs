@@ -10,6 +10,7 @@ use super::windows::{Windows, PHASES};
 
 const OFTEN: f64 = 0.2;
 const ROUNDS: usize = 6;
+const UNSMEARED: usize = 2;
 const MOST: f64 = 2.5;
 const HIGHEST: f64 = 64.0;
 const FEWEST: usize = 24;
@@ -20,25 +21,27 @@ pub struct Flanks {
     pub windows: Windows,
     /// How far from the middle samples are often clipped on the rays about each, and half a sample further; -1 where none is.
     pub flank: Vec<f64>,
-    pub height: Vec<f64>,
     pub noise: Noise,
 }
 
 impl Flanks {
-    /// Of the line in `windows` about `stand`, from the rays `within` of each; its width from one ray in `every`.
+    /// Of the line in `windows` about `stand`, which learns its height, from the rays `within` of each; its width from one ray in `every`.
     pub fn of(windows: &Windows, stand: &mut Standpoint, rays: &Rays, noise: Noise, (within, every): (f64, usize)) -> Flanks {
         let reach = reach_of(stand.start.len(), within, rays.spacing);
         let flank = often(&windows.clipped, reach, rays.closed);
         let flank: Vec<f64> = flank.into_iter().map(|far| if far >= 0.0 { far + 0.5 * windows.apart } else { -1.0 }).collect();
-        let windows = windows.beyond(&stand.height, &flank);
         let (usual, width) = (stand.height.clone(), noise.width);
-        let mut flanks = Flanks { windows, flank, height: usual.clone(), noise };
-        for _ in 0..ROUNDS {
-            stand.height = flanks.heights(stand, &usual, (reach, rays.closed));
+        let mut flanks = Flanks { windows: windows.beyond(&usual, &flank), flank, noise };
+        stand.height = flanks.heights(stand, &usual, (reach, rays.closed));
+        for round in 0..ROUNDS {
+            if round >= ROUNDS - UNSMEARED {
+                let windows = windows.clone().unsmeared(rays, &stand.height, flanks.noise.width);
+                flanks.windows = windows.beyond(&usual, &flanks.flank);
+            }
             let learnt = breadth(&flanks.windows, stand, every, flanks.noise);
             flanks.noise = Noise { width: learnt.width.clamp(width / MOST, width * MOST), ..learnt };
+            stand.height = flanks.heights(stand, &usual, (reach, rays.closed));
         }
-        flanks.height = flanks.heights(stand, &usual, (reach, rays.closed));
         let hidden = (0..flanks.flank.len()).filter(|&ray| stand.calm[ray] && flanks.flank[ray] >= 0.0).count();
         if hidden as f64 > SEEN * stand.calm.iter().filter(|calm| **calm).count() as f64 {
             flanks.noise.contrast = MOST_CONTRAST;

@@ -58,9 +58,9 @@ fn settled<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings: &S
     let first = look(plane, rays, &line, line.position, settings, (REACH, None));
     // from better places they are better still
     let known: Vec<f64> = first.place.iter().zip(line.position.iter()).map(|(a, b)| if a.is_nan() { *b } else { *a }).collect();
-    let told = first.rough <= ROUGH * first.noise.width;
-    let Look { place: settled, u, calm, noise, .. } = look(plane, rays, &line, &known, settings, (NEAR, told.then_some(first)));
-    let Anchor { aside, astray } = anchor(line.position, &settled, &calm, noise.width, rays.spacing);
+    let told = first.rough <= ROUGH * first.noise.width && !first.hidden.contains(&true);
+    let Look { place: settled, u, calm, hidden, noise, .. } = look(plane, rays, &line, &known, settings, (NEAR, told.then_some(first)));
+    let Anchor { aside, astray } = anchor((line.position, &settled), &calm, &hidden, noise.width, rays.spacing);
     let left = Settings { noise: noise.clone(), ..settings.clone() };
     let stays = |ray: usize| settled[ray].is_nan();
     alone((plane, rays), &mut line, settings.side(), stays, &left);
@@ -76,6 +76,8 @@ struct Look {
     place: Vec<f64>,
     u: Vec<f64>,
     calm: Vec<bool>,
+    /// Of which the top is clipped; none where none is.
+    hidden: Vec<bool>,
     noise: Noise,
     rough: f64,
     height: Vec<f64>,
@@ -100,11 +102,12 @@ fn look<T: Grey>(
     let every = (known.len() / ENOUGH).max(1);
     let longest = LONGEST_STEP.max(FARTHEST * width);
     let mut flanks = None;
-    if told.is_none() && windows.clipped.iter().any(|clipped| *clipped >= 0.0) {
+    if told.is_none() && windows.bright.is_some() {
         let noise = Noise { additive: settings.sensor, ..settings.noise.clone() };
         let seen = flanks.insert(Flanks::of(&windows, &mut stand, rays, noise, (reach * width, every)));
-        stand.height = seen.height.clone();
-        windows = windows.raised(&stand.height);
+        windows = windows.raised(&stand.height).unsmeared(rays, &stand.height, seen.noise.width);
+    } else if let (Some((noise, _)), true) = (&told, windows.bright.is_some()) {
+        windows = windows.unsmeared(rays, &stand.height, noise.width);
     }
     let second = Second { windows: &windows, stand: &stand, flanks: flanks.as_ref(), settings, every, longest };
     let (noise, response) = told.unwrap_or_else(|| {
@@ -119,6 +122,7 @@ fn look<T: Grey>(
         (stand.start[ray], stand.calm[ray]) = (standing(known[ray]), false);
         let samples = (floor(line.position[ray] + 0.5) - settings.side() as i64, line.samples[ray]);
         windows.look(plane, (&rays.rays[ray], samples), ray, (stand.start[ray], stand.height[ray]));
+        windows.unsmear(&rays.rays[ray], ray, rays.closed, (stand.height[ray], noise.width));
         let new = &windows.patterns[found.len()..];
         found.extend(functionals(&windows, new, &noise, 0.0, settings.vectors));
         let (number, low) = (windows.pattern[ray], 1.0 / stand.height[ray]);
@@ -129,7 +133,8 @@ fn look<T: Grey>(
     let place = |ray: usize| if kept(ray) { stand.start[ray] + moved[ray] / response } else { f64::NAN };
     let place = (0..moved.len()).map(place).collect();
     u.iter_mut().for_each(|u| *u /= response);
-    Look { place, u, calm: stand.calm, noise, rough: stand.rough, height: stand.height, response }
+    let hidden = flanks.map_or_else(Vec::new, |seen| seen.flank.iter().map(|flank| *flank >= 0.0).collect());
+    Look { place, u, calm: stand.calm, hidden, noise, rough: stand.rough, height: stand.height, response }
 }
 
 /// The second look at all rays.

@@ -32,6 +32,8 @@ pub struct Windows {
     /// Distance of the middle of each ray's window from its standpoint.
     pub fraction: Vec<f64>,
     pub patterns: Vec<Pattern>,
+    /// Sample of each ray with which its window begins.
+    pub first: Vec<i64>,
     /// Number of each ray's pattern.
     pub pattern: Vec<usize>,
     known: HashMap<(i16, i16, u32), usize>,
@@ -46,7 +48,7 @@ pub struct Windows {
     /// Which are, one bit each.
     white_bits: Vec<u32>,
     /// Which rays may have clipped samples, none where no ray has; and from which brightness on they are.
-    bright: Option<Vec<bool>>,
+    pub bright: Option<Vec<bool>>,
     white: f64,
     /// Memory for the samples of one ray at their places and a group behind them, and for those of its window.
     line: Vec<f64>,
@@ -73,6 +75,7 @@ impl Windows {
             apart: group as f64,
             fraction: vec![0.0; number],
             patterns: Vec::new(),
+            first: vec![0; number],
             pattern: vec![0; number],
             known: HashMap::new(),
             last: [(0, u32::MAX, 0); PHASES as usize + 1],
@@ -117,7 +120,7 @@ impl Windows {
                 self.grouped(number)
             }
         };
-        self.fraction[number] = middle as f64 - start;
+        (self.fraction[number], self.first[number]) = (middle as f64 - start, low);
         self.pattern[number] = self.pattern_of(middle as f64 - start, height, missing | self.white_bits[number]);
     }
 
@@ -134,8 +137,14 @@ impl Windows {
         }
     }
 
-    fn is_bright(&self, number: usize) -> bool {
+    /// Whether a ray may have clipped samples.
+    pub fn is_bright(&self, number: usize) -> bool {
         self.bright.as_ref().is_some_and(|bright| bright[number])
+    }
+
+    /// Takes light away from a sample.
+    pub fn darken(&mut self, ray: usize, sample: usize, light: f64) {
+        self.values[ray * self.row + sample] -= light;
     }
 
     /// Notes which samples of the window from `low` on, looked at from `start`, are clipped.

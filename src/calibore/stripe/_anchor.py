@@ -36,19 +36,25 @@ class Anchor:
     astray: float
 
 
-def anchor(first: Array, second: Array, calm: NDArray[np.bool_], *, width: float, spacing: float) -> Anchor:
-    """From the places `first` and `second` (n,) [px] of the rays that are `calm` (n,), NaN where there is none."""
-    off = np.where(calm, first - second, np.nan)
+def anchor(
+    first: Array, second: Array, calm: NDArray[np.bool_], hidden: NDArray[np.bool_], *, width: float, spacing: float
+) -> Anchor:
+    """From the places `first` and `second` (n,) [px] of the rays that are `calm` (n,), NaN where there is none; where
+    the top is `hidden` (n,) no look has seen it.
+    """
+    differs = np.where(calm, first - second, np.nan)
+    off = np.where(hidden, np.nan, differs)
     block = max(int(BLOCK * width / spacing), SHORTEST_BLOCK)
     pieces = [off[begin : begin + block] for begin in range(0, off.size, block)]
     pieces = [piece[np.isfinite(piece)] for piece in pieces]
     means = np.array([piece.mean() for piece in pieces if 2 * piece.size >= block])
     if means.size < FEWEST_BLOCKS:
-        return Anchor(0.0, np.inf)
+        known = differs[np.isfinite(differs)]
+        return Anchor(0.0, ASTRAY * _about(known, float(np.median(known))) if hidden.any() and known.size else np.inf)
     middle = float(np.median(means))
     doubt = _about(means, middle) * max(CERTAIN * OF_MEDIAN / np.sqrt(means.size), 1.0)
     part = max(1 - (doubt / middle) ** 2, 0.0) if middle else 0.0
-    return Anchor(HALF * middle * part, ASTRAY * _about(off[np.isfinite(off)], middle))
+    return Anchor(HALF * middle * part, ASTRAY * _about(differs[np.isfinite(differs)], middle))
 
 
 def _about(values: Array, middle: float) -> float:

@@ -15,13 +15,14 @@ from calibore.stripe._breadth import breadth
 from calibore.stripe._neighbours import Standpoint, reach_of
 from calibore.stripe._noise import MOST_CONTRAST, NoiseModel
 from calibore.stripe._rays import Rays
+from calibore.stripe._smear import unsmeared
 from calibore.stripe._windows import Windows
 
 Array = NDArray[np.float64]
 OFTEN = 0.2
 """On more than this share of the rays nearby."""
-ROUNDS = 6
-"""Width and height depend on each other."""
+ROUNDS, UNSMEARED = 6, 2
+"""Width and height depend on each other; what interpolating does depends on both, and matters last."""
 MOST = 2.5
 """The width is found within this factor."""
 HIGHEST = 64.0
@@ -49,20 +50,31 @@ def beyond(windows: Windows, flank: Array) -> Windows:
 
 
 def learn_flanks(
-    windows: Windows, stand: Standpoint, flank: Array, noise: NoiseModel, rays: Rays, *, within: float, every: int
-) -> tuple[Array, NoiseModel]:
-    """Height (n,) of the line and `noise` with its width, from `windows` without what is within the `flank` (n,)."""
-    first, usual, width = stand, stand.height, noise.width
-    for _ in range(ROUNDS):
-        height = heights(windows, first, flank, noise.width, rays, within=within)
-        stand = replace(stand, height=height)
-        noise = breadth(windows, stand, noise, every=every)
+    windows: Windows,
+    stand: Standpoint,
+    flank: Array,
+    noise: NoiseModel,
+    rays: Rays,
+    bright: NDArray[np.bool_],
+    *,
+    within: float,
+    every: int,
+) -> tuple[Windows, Array, NoiseModel]:
+    """`windows` without what is within the `flank` (n,), the height (n,) of the line and `noise` with its width learnt
+    from them.
+    """
+    seen, width = beyond(windows, flank), noise.width
+    height = heights(seen, stand, flank, width, rays, within=within)
+    for number in range(ROUNDS):
+        if number >= ROUNDS - UNSMEARED:
+            seen = beyond(unsmeared(windows, rays, height, noise.width, bright), flank)
+        noise = breadth(seen, replace(stand, height=height), noise, every=every)
         noise = replace(noise, width=float(np.clip(noise.width, width / MOST, width * MOST)))
-    height = heights(windows, replace(stand, height=usual), flank, noise.width, rays, within=within)
+        height = heights(seen, stand, flank, noise.width, rays, within=within)
     hidden = stand.calm & (flank >= 0)
     if np.count_nonzero(hidden) > SEEN * np.count_nonzero(stand.calm):
         noise = replace(noise, contrast=MOST_CONTRAST)
-    return height, noise
+    return seen, height, noise
 
 
 def heights(windows: Windows, stand: Standpoint, flank: Array, width: float, rays: Rays, *, within: float) -> Array:
@@ -74,10 +86,16 @@ def heights(windows: Windows, stand: Standpoint, flank: Array, width: float, ray
     value = np.where(known, windows.value, 0.0)
     sums = np.stack([known.sum(axis=1), *(np.sum(a, axis=1) for a in (bell, bell**2, value, bell * value))])
     reach = reach_of(len(stand.height), within, rays.spacing)
-    padded = np.pad(sums, ((0, 0), (reach, reach)), mode="wrap") if rays.closed else np.pad(sums, ((0, 0), (reach, reach)))
-    count, one, two, total, leaning = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=1).sum(axis=2)
+    padded = (
+        np.pad(sums, ((0, 0), (reach, reach)), mode="wrap") if rays.closed else np.pad(sums, ((0, 0), (reach, reach)))
+    )
+    count, one, two, total, leaning = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=1).sum(
+        axis=2
+    )
     determinant = count * two - one**2
-    height = np.divide(count * leaning - one * total, determinant, out=np.full(len(count), np.nan), where=determinant > 0)
+    height = np.divide(
+        count * leaning - one * total, determinant, out=np.full(len(count), np.nan), where=determinant > 0
+    )
     seen = stand.calm & (flank < 0) & (height > 0)
     if np.count_nonzero(seen) >= FEWEST:
         height = height * np.median(stand.height[seen] / height[seen])

@@ -29,9 +29,7 @@ class Standpoint:
     rough: float
 
 
-def standpoints(
-    position: Array, height: Array, *, within: float, spacing: float, closed: bool
-) -> Standpoint:
+def standpoints(position: Array, height: Array, *, within: float, spacing: float, closed: bool) -> Standpoint:
     """From `position`, `height` (n,) of the peaks of rays `spacing` [px] apart and which are `saturated` (n,), by
     straight lines through those `within` [px] of each.
     """

@@ -38,9 +38,7 @@ def clipped_samples(picture: Picture, rays: Rays) -> NDArray[np.bool_]:
     return bilinear(white, rays, inside_of(plane, rays)) > 0
 
 
-def plateau_middles(
-    samples: Array, position: Array, height: Array, base: Array, saturated: NDArray[np.bool_]
-) -> Array:
+def plateau_middles(samples: Array, position: Array, height: Array, base: Array, saturated: NDArray[np.bool_]) -> Array:
     """`position` (n,) [px] of peaks on rays of `samples` (n, m), those `saturated` in the middle between both places
     where the line falls to half of its `height` above `base` (n,); unchanged where it does not.
     """

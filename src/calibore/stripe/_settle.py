@@ -16,15 +16,16 @@ from calibore.stripe._alone import alone
 from calibore.stripe._anchor import anchor
 from calibore.stripe._breadth import breadth
 from calibore.stripe._estimators import Estimator, ScanSettings
+from calibore.stripe._flanks import flanks_of, learn_flanks
 from calibore.stripe._generalised import generalised_step
 from calibore.stripe._neighbours import Standpoint, standpoints
 from calibore.stripe._noise import NoiseModel
-from calibore.stripe._flanks import beyond, flanks_of, learn_flanks
 from calibore.stripe._picture import Picture, bilinear, inside_of
 from calibore.stripe._plateau import bright_rays, plateau_middles
 from calibore.stripe._rays import Rays
 from calibore.stripe._refine import LONGEST_STEP
 from calibore.stripe._scatter import neighbour_scatter
+from calibore.stripe._smear import unsmeared
 from calibore.stripe._windows import Windows, standing, windows_about
 
 Array = NDArray[np.float64]
@@ -83,13 +84,13 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
     look = _look(picture, rays, line, line.position, settings, reach=REACH)
     if look is not None:  # from better places they are better still
         known = np.where(np.isnan(look.place), line.position, look.place)
-        told = look if look.rough <= ROUGH * look.noise.width else None
+        told = look if look.rough <= ROUGH * look.noise.width and not look.hidden.any() else None
         look = _look(picture, rays, line, known, settings, told, reach=NEAR)
     if look is None:
         every = np.ones(line.position.size, dtype=bool)
         return Settled(*alone(picture, rays, line.position, every, settings), settings.noise)
     place, u, noise = look.place, look.u, look.noise
-    anchored = anchor(line.position, place, look.calm, width=noise.width, spacing=rays.spacing)
+    anchored = anchor(line.position, place, look.calm, look.hidden, width=noise.width, spacing=rays.spacing)
     place = place + anchored.aside
     off = np.abs(line.position - place)
     kept, lost = off <= anchored.astray, np.isnan(place)
@@ -109,12 +110,13 @@ def _on_plateaus(picture: Picture, rays: Rays, line: Found) -> Found:
 @dataclass(frozen=True)
 class Look:
     """What one look has shown: `place` and `u` (n,) [px], NaN where the line was not found again; which rays are `calm`
-    (n,); the noise; how `rough` the line was about its neighbours before [px]; its `height` (n,) and the `response`.
+    (n,) and of which the top is `hidden` (n,); the noise; how `rough` the line was about its neighbours before [px]; its `height` (n,) and the `response`.
     """
 
     place: Array
     u: Array
     calm: NDArray[np.bool_]
+    hidden: NDArray[np.bool_]
     noise: NoiseModel
     rough: float
     height: Array
@@ -135,21 +137,22 @@ def _look(
     what holds for all of it is as `before`, or learnt. None where nobody knows how high it is.
     """
     width, every = (settings.noise if before is None else before.noise).width, max(known.size // ENOUGH, 1)
-    stand = standpoints(
-        known, line.height, within=reach * width, spacing=rays.spacing, closed=rays.closed
-    )
+    stand = standpoints(known, line.height, within=reach * width, spacing=rays.spacing, closed=rays.closed)
     stand = replace(stand, start=standing(stand.start), height=stand.height if before is None else before.height)
     bright = bright_rays(line.height, line.base, line.saturated, settings)
     windows, longest = windows_about(picture, rays, stand.start, settings, bright), max(LONGEST_STEP, FARTHEST * width)
+    hidden = np.zeros(known.size, dtype=bool)
     if before is not None:
         noise, response = before.noise, before.response
+        windows = unsmeared(windows, rays, stand.height, noise.width, bright)
     else:
         noise, seen, flank = replace(settings.noise, additive=settings.sensor), windows, None
-        if (windows.clipped >= 0).any():
+        if bright is not None:
             flank = flanks_of(windows, rays, within=reach * width)
-            seen = beyond(windows, flank)
-            height, noise = learn_flanks(seen, stand, flank, noise, rays, within=reach * width, every=every)
-            stand = replace(stand, height=height)
+            hidden = flank >= 0
+            about = {"within": reach * width, "every": every}
+            seen, height, noise = learn_flanks(windows, stand, flank, noise, rays, bright, **about)
+            stand, windows = replace(stand, height=height), unsmeared(windows, rays, height, noise.width, bright)
         else:
             noise = breadth(windows, stand, noise, every=every)
         noise = speckle_across(seen, stand, line.base, noise, every=every, flank=flank)
@@ -158,9 +161,10 @@ def _look(
     moved, u = generalised_step(windows, stand.height, noise)
     misled = stand.calm & ~(np.abs(moved) <= MISLED * u)
     start = np.where(misled, standing(known), stand.start)
-    moved, u = generalised_step(windows_about(picture, rays, start, settings, bright), stand.height, noise)
+    windows = unsmeared(windows_about(picture, rays, start, settings, bright), rays, stand.height, noise.width, bright)
+    moved, u = generalised_step(windows, stand.height, noise)
     place = start + np.where(np.abs(moved / response) <= longest, moved / response, np.nan)
-    return Look(place, u / response, stand.calm & ~misled, noise, stand.rough, stand.height, response)
+    return Look(place, u / response, stand.calm & ~misled, hidden, noise, stand.rough, stand.height, response)
 
 
 def _best_floor(
