@@ -1,22 +1,23 @@
-"""The bound of a line whose top is clipped: a clipped sample says that it is at least as bright as the picture can show,
-and no more (a Tobit likelihood).
+"""The bound of a line whose top is clipped: a clipped sample says that it is at least as bright as the picture can
+show, and no more (a Tobit likelihood).
 
 Without speckle, samples are independent, and the information of each is known in closed form. With speckle, what a
 clipped sample says depends on its neighbours: what is lost is the variance of the score of complete samples about what
 is seen, from pairs of draws of the clipped samples given the others (Gibbs sampling).
 """
 
-from dataclasses import replace
+import sys
 from typing import Any
 
 import numpy as np
 
-from benchmarks.estimator import Scene
+from benchmarks.estimator import Scene, score
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 CEILING = 254.5
 """What is brighter is rounded or clipped to 255."""
 DRAWS, SWEEPS, FORGOTTEN = 150, 40, 10
+COMPARED = ("zero-crossing", "threshold", "centroid")
 PEAKS = (260.0, 300.0, 400.0, 600.0, 1000.0)
 
 
@@ -24,11 +25,21 @@ def clipped_scenes() -> dict[str, Scene]:
     """Lines up to four times as bright as their pictures can show."""
     kinds = ((w, c, p) for w in (1.5, 2.0, 3.0) for c in (0.0, 0.1, 0.3) for p in PEAKS)
     scenes = {f"width {w}, contrast {c}, peak {p:.0f}": Scene(w, p, c) for w, c, p in kinds}
-    return scenes | {
-        f"16 bits, {name}": replace(scenes[name], bits=16)
-        for name in scenes
-        if name.startswith("width 2.0, contrast 0.1")
-    }
+    return scenes | {f"16 bits, peak {p:.0f}": Scene(2.0, p, 0.1, bits=16) for p in PEAKS}
+
+
+def clipped_table(pictures: int) -> list[str]:
+    """Markdown table of the default estimator and two others, over the bound of the clipped line."""
+    lines = ["## Where the top is clipped", ""]
+    head = "| | bound, not clipped [px] | bound [px] | " + " | ".join(COMPARED) + " | rms / u | locking [px] | lost |"
+    lines += [head, "|---" * (len(COMPARED) + 6) + "|"]
+    for name, scene in clipped_scenes().items():
+        bound, scores = clipped_bound(scene), [score(scene, estimator, pictures) for estimator in COMPARED]
+        first, over = scores[0], " | ".join(f"{one.rms / bound:.2f}" for one in scores)
+        told = f"{first.ratio:.2f} | {first.locking:.4f} | {100 * first.lost:.2f} %"
+        lines.append(f"| {name} | {scene.bound():.4f} | {bound:.4f} | {over} | {told} |")
+        print(lines[-1], file=sys.stderr)
+    return lines
 
 
 def clipped_bound(scene: Scene, seed: int = 0) -> float:

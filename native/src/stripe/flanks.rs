@@ -32,21 +32,31 @@ impl Flanks {
         let flank: Vec<f64> = flank.into_iter().map(|far| if far >= 0.0 { far + 0.5 * windows.apart } else { -1.0 }).collect();
         let (usual, width) = (stand.height.clone(), noise.width);
         let mut flanks = Flanks { windows: windows.beyond(&usual, &flank), flank, noise };
+        let hidden = flanks.hidden();
+        if !hidden.contains(&true) {
+            flanks.noise = breadth(&flanks.windows, stand, every, flanks.noise);
+            return flanks;
+        }
         stand.height = flanks.heights(stand, &usual, (reach, rays.closed));
         for round in 0..ROUNDS {
             if round >= ROUNDS - UNSMEARED {
-                let windows = windows.clone().unsmeared(rays, &stand.height, flanks.noise.width);
+                let windows = windows.clone().unsmeared(rays, &hidden, &stand.height, flanks.noise.width);
                 flanks.windows = windows.beyond(&usual, &flanks.flank);
             }
             let learnt = breadth(&flanks.windows, stand, every, flanks.noise);
             flanks.noise = Noise { width: learnt.width.clamp(width / MOST, width * MOST), ..learnt };
             stand.height = flanks.heights(stand, &usual, (reach, rays.closed));
         }
-        let hidden = (0..flanks.flank.len()).filter(|&ray| stand.calm[ray] && flanks.flank[ray] >= 0.0).count();
-        if hidden as f64 > SEEN * stand.calm.iter().filter(|calm| **calm).count() as f64 {
+        let both = hidden.iter().zip(&stand.calm).filter(|(hidden, calm)| **hidden && **calm).count();
+        if both as f64 > SEEN * stand.calm.iter().filter(|calm| **calm).count() as f64 {
             flanks.noise.contrast = MOST_CONTRAST;
         }
         flanks
+    }
+
+    /// On which rays the top of the line is hidden.
+    pub fn hidden(&self) -> Vec<bool> {
+        self.flank.iter().map(|flank| *flank >= 0.0).collect()
     }
 
     /// Height of the line where its top is clipped, elsewhere the `usual` one: by least squares of a Gaussian on the samples of the rays within

@@ -55,10 +55,13 @@ pub fn settle<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings:
 }
 
 fn settled<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings: &Settings) -> Noise {
-    let first = look(plane, rays, &line, line.position, settings, (REACH, None));
+    let mut first = look(plane, rays, &line, line.position, settings, (REACH, None));
+    if first.hidden.contains(&true) {
+        // flanks tell much from places that are all a little off
+        first = look(plane, rays, &line, &first.better(&line), settings, (REACH, None));
+    }
     // from better places they are better still
-    let known: Vec<f64> = first.place.iter().zip(line.position.iter()).map(|(a, b)| if a.is_nan() { *b } else { *a }).collect();
-    let told = first.rough <= ROUGH * first.noise.width && !first.hidden.contains(&true);
+    let (known, told) = (first.better(&line), first.rough <= ROUGH * first.noise.width);
     let Look { place: settled, u, calm, hidden, noise, .. } = look(plane, rays, &line, &known, settings, (NEAR, told.then_some(first)));
     let Anchor { aside, astray } = anchor((line.position, &settled), &calm, &hidden, noise.width, rays.spacing);
     let left = Settings { noise: noise.clone(), ..settings.clone() };
@@ -84,6 +87,13 @@ struct Look {
     response: f64,
 }
 
+impl Look {
+    /// Places that are better than those of `line` where they have been found.
+    fn better(&self, line: &Found) -> Vec<f64> {
+        self.place.iter().zip(line.position.iter()).map(|(a, b)| if a.is_nan() { *b } else { *a }).collect()
+    }
+}
+
 /// The line looked at from where the neighbours of each ray say that it is, as far as places are `known`; what holds for all of it is as `before`,
 /// or learnt.
 fn look<T: Grey>(
@@ -94,7 +104,13 @@ fn look<T: Grey>(
     settings: &Settings,
     (reach, before): (f64, Option<Look>),
 ) -> Look {
-    let (told, height) = before.map(|before| ((before.noise, before.response), before.height)).unzip();
+    let mut hidden = Vec::new();
+    let (told, height) = before
+        .map(|before| {
+            hidden = before.hidden;
+            ((before.noise, before.response), before.height)
+        })
+        .unzip();
     let width = told.as_ref().map_or(settings.noise.width, |(noise, _)| noise.width);
     let mut stand = standpoints((known, height), line, (reach * width, rays.spacing), rays.closed);
     stand.start.iter_mut().for_each(|start| *start = standing(*start));
@@ -105,9 +121,10 @@ fn look<T: Grey>(
     if told.is_none() && windows.bright.is_some() {
         let noise = Noise { additive: settings.sensor, ..settings.noise.clone() };
         let seen = flanks.insert(Flanks::of(&windows, &mut stand, rays, noise, (reach * width, every)));
-        windows = windows.raised(&stand.height).unsmeared(rays, &stand.height, seen.noise.width);
-    } else if let (Some((noise, _)), true) = (&told, windows.bright.is_some()) {
-        windows = windows.unsmeared(rays, &stand.height, noise.width);
+        hidden = seen.hidden();
+        windows = windows.raised(&stand.height).unsmeared(rays, &hidden, &stand.height, seen.noise.width);
+    } else if let Some((noise, _)) = &told {
+        windows = windows.unsmeared(rays, &hidden, &stand.height, noise.width);
     }
     let second = Second { windows: &windows, stand: &stand, flanks: flanks.as_ref(), settings, every, longest };
     let (noise, response) = told.unwrap_or_else(|| {
@@ -122,7 +139,9 @@ fn look<T: Grey>(
         (stand.start[ray], stand.calm[ray]) = (standing(known[ray]), false);
         let samples = (floor(line.position[ray] + 0.5) - settings.side() as i64, line.samples[ray]);
         windows.look(plane, (&rays.rays[ray], samples), ray, (stand.start[ray], stand.height[ray]));
-        windows.unsmear(&rays.rays[ray], ray, rays.closed, (stand.height[ray], noise.width));
+        if rays.closed && hidden.get(ray) == Some(&true) {
+            windows.unsmear(&rays.rays[ray], ray, (stand.height[ray], noise.width));
+        }
         let new = &windows.patterns[found.len()..];
         found.extend(functionals(&windows, new, &noise, 0.0, settings.vectors));
         let (number, low) = (windows.pattern[ray], 1.0 / stand.height[ray]);
@@ -133,7 +152,6 @@ fn look<T: Grey>(
     let place = |ray: usize| if kept(ray) { stand.start[ray] + moved[ray] / response } else { f64::NAN };
     let place = (0..moved.len()).map(place).collect();
     u.iter_mut().for_each(|u| *u /= response);
-    let hidden = flanks.map_or_else(Vec::new, |seen| seen.flank.iter().map(|flank| *flank >= 0.0).collect());
     Look { place, u, calm: stand.calm, hidden, noise, rough: stand.rough, height: stand.height, response }
 }
 

@@ -7,18 +7,18 @@ const USUAL: f64 = 1.0 / 6.0;
 const CORNERS: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
 
 impl Windows {
-    /// As if the bright rays of a ring, on which the line is `height` and `width`, were sampled everywhere with the usual smear; rows and
-    /// columns are not interpolated.
-    pub fn unsmeared(mut self, rays: &Rays, height: &[f64], width: f64) -> Windows {
-        for (number, ray) in rays.rays.iter().enumerate() {
-            self.unsmear(ray, number, rays.closed, (height[number], width));
+    /// As if those rays of a ring on which the top of the line is `hidden`, and itself `height` and `width`, were sampled
+    /// everywhere with the usual smear; rows and columns are not interpolated.
+    pub fn unsmeared(mut self, rays: &Rays, hidden: &[bool], height: &[f64], width: f64) -> Windows {
+        for number in (0..hidden.len()).filter(|&number| rays.closed && hidden[number]) {
+            self.unsmear(&rays.rays[number], number, (height[number], width));
         }
         self
     }
 
-    /// The same of one ray, `round` a ring.
-    pub fn unsmear(&mut self, ray: &Ray, number: usize, round: bool, (height, width): (f64, f64)) {
-        if !(round && self.is_bright(number) && height > 0.0) {
+    /// The same of one ray.
+    pub fn unsmear(&mut self, ray: &Ray, number: usize, (height, width): (f64, f64)) {
+        if !(height > 0.0) {
             return;
         }
         let (group, track) = (self.apart as usize, ray.track());

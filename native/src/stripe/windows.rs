@@ -137,8 +137,7 @@ impl Windows {
         }
     }
 
-    /// Whether a ray may have clipped samples.
-    pub fn is_bright(&self, number: usize) -> bool {
+    fn is_bright(&self, number: usize) -> bool {
         self.bright.as_ref().is_some_and(|bright| bright[number])
     }
 

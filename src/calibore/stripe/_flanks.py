@@ -55,7 +55,6 @@ def learn_flanks(
     flank: Array,
     noise: NoiseModel,
     rays: Rays,
-    bright: NDArray[np.bool_],
     *,
     within: float,
     every: int,
@@ -63,16 +62,17 @@ def learn_flanks(
     """`windows` without what is within the `flank` (n,), the height (n,) of the line and `noise` with its width learnt
     from them.
     """
-    seen, width = beyond(windows, flank), noise.width
+    seen, width, hidden = beyond(windows, flank), noise.width, flank >= 0
+    if not hidden.any():
+        return seen, stand.height, breadth(seen, stand, noise, every=every)
     height = heights(seen, stand, flank, width, rays, within=within)
     for number in range(ROUNDS):
         if number >= ROUNDS - UNSMEARED:
-            seen = beyond(unsmeared(windows, rays, height, noise.width, bright), flank)
+            seen = beyond(unsmeared(windows, rays, height, noise.width, hidden), flank)
         noise = breadth(seen, replace(stand, height=height), noise, every=every)
         noise = replace(noise, width=float(np.clip(noise.width, width / MOST, width * MOST)))
         height = heights(seen, stand, flank, noise.width, rays, within=within)
-    hidden = stand.calm & (flank >= 0)
-    if np.count_nonzero(hidden) > SEEN * np.count_nonzero(stand.calm):
+    if np.count_nonzero(hidden & stand.calm) > SEEN * np.count_nonzero(stand.calm):
         noise = replace(noise, contrast=MOST_CONTRAST)
     return seen, height, noise
 

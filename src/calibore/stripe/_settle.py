@@ -82,13 +82,10 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
         return Settled(line.position, line.u, settings.noise)
     line = _on_plateaus(picture, rays, line)
     look = _look(picture, rays, line, line.position, settings, reach=REACH)
-    if look is not None:  # from better places they are better still
-        known = np.where(np.isnan(look.place), line.position, look.place)
-        told = look if look.rough <= ROUGH * look.noise.width and not look.hidden.any() else None
-        look = _look(picture, rays, line, known, settings, told, reach=NEAR)
-    if look is None:
-        every = np.ones(line.position.size, dtype=bool)
-        return Settled(*alone(picture, rays, line.position, every, settings), settings.noise)
+    if look.hidden.any():  # flanks tell much from places that are all a little off
+        look = _look(picture, rays, line, _better(look, line), settings, reach=REACH)
+    told = look if look.rough <= ROUGH * look.noise.width else None
+    look = _look(picture, rays, line, _better(look, line), settings, told, reach=NEAR)
     place, u, noise = look.place, look.u, look.noise
     anchored = anchor(line.position, place, look.calm, look.hidden, width=noise.width, spacing=rays.spacing)
     place = place + anchored.aside
@@ -110,7 +107,8 @@ def _on_plateaus(picture: Picture, rays: Rays, line: Found) -> Found:
 @dataclass(frozen=True)
 class Look:
     """What one look has shown: `place` and `u` (n,) [px], NaN where the line was not found again; which rays are `calm`
-    (n,) and of which the top is `hidden` (n,); the noise; how `rough` the line was about its neighbours before [px]; its `height` (n,) and the `response`.
+    (n,) and of which the top is `hidden` (n,); the noise; how `rough` the line was about its neighbours before [px];
+    its `height` (n,) and the `response`.
     """
 
     place: Array
@@ -123,6 +121,11 @@ class Look:
     response: float
 
 
+def _better(look: Look, line: Found) -> Array:
+    """Places (n,) [px] that are better than those of `line` where `look` has found them."""
+    return np.where(np.isnan(look.place), line.position, look.place)
+
+
 def _look(
     picture: Picture,
     rays: Rays,
@@ -132,9 +135,9 @@ def _look(
     before: Look | None = None,
     *,
     reach: float,
-) -> Look | None:
+) -> Look:
     """The line looked at from where the neighbours of each ray say that it is, as far as places are `known` (n,) [px];
-    what holds for all of it is as `before`, or learnt. None where nobody knows how high it is.
+    what holds for all of it is as `before`, or learnt.
     """
     width, every = (settings.noise if before is None else before.noise).width, max(known.size // ENOUGH, 1)
     stand = standpoints(known, line.height, within=reach * width, spacing=rays.spacing, closed=rays.closed)
@@ -143,16 +146,16 @@ def _look(
     windows, longest = windows_about(picture, rays, stand.start, settings, bright), max(LONGEST_STEP, FARTHEST * width)
     hidden = np.zeros(known.size, dtype=bool)
     if before is not None:
-        noise, response = before.noise, before.response
-        windows = unsmeared(windows, rays, stand.height, noise.width, bright)
+        noise, response, hidden = before.noise, before.response, before.hidden
+        windows = unsmeared(windows, rays, stand.height, noise.width, hidden)
     else:
         noise, seen, flank = replace(settings.noise, additive=settings.sensor), windows, None
         if bright is not None:
             flank = flanks_of(windows, rays, within=reach * width)
             hidden = flank >= 0
             about = {"within": reach * width, "every": every}
-            seen, height, noise = learn_flanks(windows, stand, flank, noise, rays, bright, **about)
-            stand, windows = replace(stand, height=height), unsmeared(windows, rays, height, noise.width, bright)
+            seen, height, noise = learn_flanks(windows, stand, flank, noise, rays, **about)
+            stand, windows = replace(stand, height=height), unsmeared(windows, rays, height, noise.width, hidden)
         else:
             noise = breadth(windows, stand, noise, every=every)
         noise = speckle_across(seen, stand, line.base, noise, every=every, flank=flank)
@@ -161,7 +164,7 @@ def _look(
     moved, u = generalised_step(windows, stand.height, noise)
     misled = stand.calm & ~(np.abs(moved) <= MISLED * u)
     start = np.where(misled, standing(known), stand.start)
-    windows = unsmeared(windows_about(picture, rays, start, settings, bright), rays, stand.height, noise.width, bright)
+    windows = unsmeared(windows_about(picture, rays, start, settings, bright), rays, stand.height, noise.width, hidden)
     moved, u = generalised_step(windows, stand.height, noise)
     place = start + np.where(np.abs(moved / response) <= longest, moved / response, np.nan)
     return Look(place, u / response, stand.calm & ~misled, hidden, noise, stand.rough, stand.height, response)

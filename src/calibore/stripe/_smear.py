@@ -18,11 +18,11 @@ USUAL = 1 / 6
 """px^2: mean over all places between pixels."""
 
 
-def unsmeared(windows: Windows, rays: Rays, height: Array, width: float, bright: NDArray[np.bool_] | None) -> Windows:
-    """`windows` as if those rays of a ring that are `bright` (n,), on which the line is `height` (n,) and `width` [px],
-    were sampled everywhere with the usual smear; rows and columns are not interpolated.
+def unsmeared(windows: Windows, rays: Rays, height: Array, width: float, hidden: NDArray[np.bool_]) -> Windows:
+    """`windows` as if those rays of a ring on which the top of the line is `hidden` (n,), and itself `height` (n,) and
+    `width` [px], were sampled everywhere with the usual smear; rows and columns are not interpolated.
     """
-    if bright is None or not rays.closed:
+    if not (rays.closed and hidden.any()):
         return windows
     group = int(windows.apart)
     number = np.arange(windows.distance.shape[1] * group)
@@ -38,7 +38,7 @@ def unsmeared(windows: Windows, rays: Rays, height: Array, width: float, bright:
         )
         seen += weight * np.exp(-((distance + aside) ** 2) / (2 * narrow**2)) * (width / narrow)
     more = (seen - np.exp(-(distance**2) / (2 * width**2))).reshape(len(height), -1, group).mean(axis=2)
-    more = np.where((bright & (height > 0))[:, None], height[:, None] * more, 0.0)
+    more = np.where((hidden & (height > 0))[:, None], height[:, None] * more, 0.0)
     return replace(windows, shown=windows.shown - more, value=windows.value - more)
 
 

@@ -43,7 +43,7 @@ def standing(start: Array) -> Array:
 def windows_about(
     picture: Picture, rays: Rays, start: Array, settings: ScanSettings, bright: NDArray[np.bool_] | None
 ) -> Windows:
-    """About `start` (n,) [px along the rays], NaN for rays without; clipped samples are left out of `bright` rays (n,)."""
+    """About `start` (n,) [px along the rays], NaN for rays without; `bright` rays (n,) may have clipped samples."""
     known, plane, group = np.isfinite(start), picture.plane(), settings.group
     start = np.where(known, start, 0.0)
     middle = np.floor(start + 0.5).astype(np.intp)
