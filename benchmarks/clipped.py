@@ -53,7 +53,7 @@ def _information(mean: Array, covariance: Array, jacobian: Array, rng: np.random
     """Fisher information of place, height and background in clipped samples of that `mean` (m,)."""
     if np.count_nonzero(covariance) == len(mean):
         return jacobian.T @ (jacobian * (_kept(mean, np.diag(covariance)) / np.diag(covariance))[:, None])
-    weighted = np.linalg.solve(covariance, jacobian)
+    weighted: Array = np.linalg.solve(covariance, jacobian).astype(np.float64)
     return jacobian.T @ weighted - _lost(mean, covariance, weighted, rng)
 
 

@@ -34,7 +34,7 @@ def bright_rays(
 def clipped_samples(picture: Picture, rays: Rays) -> NDArray[np.bool_]:
     """Which samples (n, m) a clipped pixel has part in."""
     plane = picture.plane()
-    white = (plane >= SATURATED_FROM * picture.white).astype(np.uint8)
+    white = (plane.astype(np.float64) >= SATURATED_FROM * picture.white).astype(np.uint8)
     return bilinear(white, rays, inside_of(plane, rays)) > 0
 
 
