@@ -9,6 +9,8 @@ const SINGULAR: f64 = 1e-12;
 const UNCORRELATED: f64 = 1e-9;
 /// Room for the weights of a ray by whole groups.
 const ROW: usize = MOST_SAMPLES.next_multiple_of(FOUR);
+/// Patterns there are only where samples are clipped.
+const MANY: usize = 256;
 /// Rows below those of the samples: slope in place, height and background.
 const BESIDE: usize = 3;
 
@@ -51,6 +53,26 @@ pub fn functionals(windows: &Windows, patterns: &[Pattern], noise: &Noise, aside
         eliminate(vectors, &mut fit, patterns);
         found.extend_from_slice(&fit.found[..patterns.len()]);
     }
+    found
+}
+
+/// The same for the patterns of some `rays` only, where there are many.
+pub fn functionals_of(
+    windows: &Windows,
+    rays: impl Iterator<Item = usize>,
+    (noise, aside): (&Noise, f64),
+    vectors: Vectors,
+) -> Vec<Functional> {
+    if windows.patterns.len() <= MANY {
+        return functionals(windows, &windows.patterns, noise, aside, vectors);
+    }
+    let mut used: Vec<usize> = rays.map(|ray| windows.pattern[ray]).collect();
+    used.sort_unstable();
+    used.dedup();
+    let patterns: Vec<Pattern> = used.iter().map(|number| windows.patterns[*number].clone()).collect();
+    let nothing = Functional { weight: [f64::NAN; ROW], variance: f64::NAN, additive: f64::NAN, shot: f64::NAN };
+    let mut found = vec![nothing; windows.patterns.len()];
+    used.into_iter().zip(functionals(windows, &patterns, noise, aside, vectors)).for_each(|(number, one)| found[number] = one);
     found
 }
 

@@ -5,7 +5,7 @@ use super::alone::alone;
 use super::anchor::{anchor, Anchor};
 use super::breadth::breadth;
 use super::flanks::Flanks;
-use super::generalised::{functionals, Functional};
+use super::generalised::{functionals, functionals_of, Functional};
 use super::neighbours::{standpoints, Standpoint};
 use super::plateau::on_plateaus;
 use super::rays::Rays;
@@ -225,7 +225,8 @@ impl Second<'_> {
 
     /// Steps of one ray in `every`, looked at from `aside` of its standpoint.
     fn moved(&self, noise: &Noise, aside: f64) -> Vec<f64> {
-        let found = functionals(self.windows, &self.windows.patterns, noise, aside, self.settings.vectors);
+        let few = (0..self.stand.start.len()).step_by(self.every);
+        let found = functionals_of(self.windows, few, (noise, aside), self.settings.vectors);
         moved(self.settings.vectors, self, &found, self.every)
     }
 
