@@ -29,6 +29,7 @@ mod neighbours;
 mod noise;
 mod path;
 mod peak;
+mod pieces;
 mod rays;
 mod refine;
 mod ridge;

@@ -55,13 +55,14 @@ pub fn settle<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings:
         alone(&mut line, |_| true, settings);
         return settings.noise.clone();
     };
-    let Anchor { aside, astray } = anchor(line.position, &settled, &calm, noise.width, rays.spacing);
+    let Anchor { aside, astray } = anchor(line.position, (&settled, &u), &calm, noise.width, rays.spacing);
     let left = Settings { noise: noise.clone(), ..settings.clone() };
     let stays = |ray: usize| settled[ray].is_nan();
     alone(&mut line, stays, &left);
     for ray in (0..settled.len()).filter(|&ray| !settled[ray].is_nan()) {
         let (place, off) = (settled[ray] + aside, line.position[ray] - settled[ray] - aside);
-        (line.position[ray], line.u[ray]) = if off.abs() <= astray { (place, u[ray]) } else { (line.position[ray], u[ray].hypot(off)) };
+        (line.position[ray], line.u[ray]) =
+            if off.abs() <= astray * u[ray] { (place, u[ray]) } else { (line.position[ray], u[ray].hypot(off)) };
     }
     noise
 }
@@ -75,6 +76,8 @@ struct Look {
     rough: f64,
     height: Vec<f64>,
     response: f64,
+    /// How wide the line of each ray is (see `breadth`).
+    levels: Vec<i8>,
 }
 
 /// The line looked at from where the neighbours of each ray say that it is, as far as places are `known`; what holds for all of it is as `before`,
@@ -87,8 +90,8 @@ fn look<T: Grey>(
     settings: &Settings,
     (reach, before): (f64, Option<Look>),
 ) -> Option<Look> {
-    let (told, height) = before.map(|before| ((before.noise, before.response), before.height)).unzip();
-    let width = told.as_ref().map_or(settings.noise.width, |(noise, _)| noise.width);
+    let (told, height) = before.map(|before| ((before.noise, before.response, before.levels), before.height)).unzip();
+    let width = told.as_ref().map_or(settings.noise.width, |(noise, ..)| noise.width);
     let mut stand = standpoints((known, height), line, (reach * width, rays.spacing), rays.closed);
     if stand.start.iter().all(|start| start.is_nan()) {
         return None;
@@ -97,18 +100,31 @@ fn look<T: Grey>(
     let mut windows = Windows::about(plane, rays, line, (&stand.start, &stand.height), settings);
     let every = (known.len() / ENOUGH).max(1);
     let longest = LONGEST_STEP.max(FARTHEST * width);
-    let second = Second { windows: &windows, stand: &stand, settings, every, longest };
-    let (noise, response) = told.unwrap_or_else(|| {
-        let noise = second.noise(rays, line.base);
-        let response = second.response(&noise);
-        (noise, response)
+    let learnt = told.is_none();
+    let (noise, response, levels) = told.unwrap_or_else(|| {
+        let noise = Noise { additive: settings.sensor, ..settings.noise.clone() };
+        let (noise, levels) = breadth(&windows, &stand, every, noise, rays.closed);
+        (noise, 1.0, levels)
     });
+    if !levels.is_empty() {
+        windows.widened(levels.clone(), (&stand.start, &stand.height));
+    }
+    let second = Second { windows: &windows, stand: &stand, settings, every, longest };
+    let (noise, response) = match learnt {
+        true => {
+            let noise = second.noise(rays, line.base, noise);
+            let response = second.response(&noise);
+            (noise, response)
+        }
+        false => (noise, response),
+    };
     let mut found = functionals(&windows, &windows.patterns, &noise, 0.0, settings.vectors);
     let (mut moved, mut u) = second.steps(&found, &noise);
     let misled = second.misled(&moved, &u);
     for ray in misled {
         (stand.start[ray], stand.calm[ray]) = (standing(known[ray]), false);
         let samples = (floor(line.position[ray] + 0.5) - settings.side() as i64, line.samples[ray]);
+        windows.turn_to(ray);
         windows.look(plane, (&rays.rays[ray], samples), ray, (stand.start[ray], stand.height[ray]));
         let new = &windows.patterns[found.len()..];
         found.extend(functionals(&windows, new, &noise, 0.0, settings.vectors));
@@ -120,7 +136,7 @@ fn look<T: Grey>(
     let place = |ray: usize| if kept(ray) { stand.start[ray] + moved[ray] / response } else { f64::NAN };
     let place = (0..moved.len()).map(place).collect();
     u.iter_mut().for_each(|u| *u /= response);
-    Some(Look { place, u, calm: stand.calm, noise, rough: stand.rough, height: stand.height, response })
+    Some(Look { place, u, calm: stand.calm, noise, rough: stand.rough, height: stand.height, response, levels })
 }
 
 /// The second look at all rays.
@@ -139,10 +155,8 @@ impl Second<'_> {
         (0..moved.len()).filter(|&ray| self.stand.calm[ray] && !(moved[ray].abs() <= MISLED * u[ray])).collect()
     }
 
-    /// The noise of the line, learnt from the line itself.
-    fn noise(&self, rays: &Rays, base: &[f64]) -> Noise {
-        let noise = Noise { additive: self.settings.sensor, ..self.settings.noise.clone() };
-        let noise = breadth(self.windows, self.stand, self.every, noise);
+    /// `noise` with contrast, grain and floor of the line, learnt from the line itself.
+    fn noise(&self, rays: &Rays, base: &[f64], noise: Noise) -> Noise {
         self.best_floor(rays, speckle_across(self.windows, self.stand, (base, self.every), noise))
     }
 

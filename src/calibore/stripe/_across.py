@@ -34,7 +34,7 @@ def speckle_across(
     calm = stand.calm[few]
     if not calm.any():
         return noise
-    bell = np.exp(-(windows.distance[few] ** 2) / (2 * noise.width**2))
+    bell = np.exp(-(windows.distance[few] ** 2) / (2 * windows.width[few, None] ** 2))
     line, background = stand.height[few, None] * bell, float(np.median(base[few][calm]))
     share = ((windows.value[few] - background) / np.where(line > 0, line, np.nan))[calm, columns]
     share = np.minimum(share, BRIGHTEST)

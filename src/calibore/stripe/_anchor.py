@@ -30,14 +30,18 @@ OF_MEDIAN = 1.2533
 
 @dataclass(frozen=True)
 class Anchor:
-    """How far the first look lies beside the second on all of the line, and how far it may on one ray [px]."""
+    """How far the first look lies `aside` of the second on all of the line [px]; how many standard uncertainties it may
+    be `astray` on one ray, for where the line is wide or faint both looks are less sure.
+    """
 
     aside: float
     astray: float
 
 
-def anchor(first: Array, second: Array, calm: NDArray[np.bool_], *, width: float, spacing: float) -> Anchor:
-    """From the places `first` and `second` (n,) [px] of the rays that are `calm` (n,), NaN where there is none."""
+def anchor(first: Array, second: Array, calm: NDArray[np.bool_], u: Array, *, width: float, spacing: float) -> Anchor:
+    """From the places `first` and `second` (n,) [px], NaN where there is none, the latter of standard uncertainty `u`,
+    of the rays that are `calm` (n,).
+    """
     off = np.where(calm, first - second, np.nan)
     block = max(int(BLOCK * width / spacing), SHORTEST_BLOCK)
     pieces = [off[begin : begin + block] for begin in range(0, off.size, block)]
@@ -48,7 +52,7 @@ def anchor(first: Array, second: Array, calm: NDArray[np.bool_], *, width: float
     middle = float(np.median(means))
     doubt = _about(means, middle) * max(CERTAIN * OF_MEDIAN / np.sqrt(means.size), 1.0)
     part = max(1 - (doubt / middle) ** 2, 0.0) if middle else 0.0
-    return Anchor(HALF * middle * part, ASTRAY * _about(off[np.isfinite(off)], middle))
+    return Anchor(HALF * middle * part, ASTRAY * NORMAL * float(np.nanmedian(np.abs(off - middle) / u)))
 
 
 def _about(values: Array, middle: float) -> float:

@@ -86,10 +86,10 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
         every = np.ones(line.position.size, dtype=bool)
         return Settled(*alone(picture, rays, line.position, every, settings), settings.noise)
     place, u, noise = look.place, look.u, look.noise
-    anchored = anchor(line.position, place, look.calm, width=noise.width, spacing=rays.spacing)
+    anchored = anchor(line.position, place, look.calm, u, width=noise.width, spacing=rays.spacing)
     place = place + anchored.aside
     off = np.abs(line.position - place)
-    kept, lost = off <= anchored.astray, np.isnan(place)
+    kept, lost = off <= anchored.astray * u, np.isnan(place)
     first, doubt = alone(picture, rays, line.position, lost, replace(settings, noise=noise))
     return Settled(np.where(kept, place, first), np.where(lost, doubt, np.where(kept, u, np.hypot(u, off))), noise)
 
@@ -97,7 +97,8 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
 @dataclass(frozen=True)
 class Look:
     """What one look has shown: `place` and `u` (n,) [px], NaN where the line was not found again; which rays are `calm`
-    (n,); the noise; how `rough` the line was about its neighbours before [px]; its `height` (n,) and the `response`.
+    (n,); the noise; how `rough` the line was about its neighbours before [px]; its `height` and `width` (n,), and the
+    `response`.
     """
 
     place: Array
@@ -107,6 +108,7 @@ class Look:
     rough: float
     height: Array
     response: float
+    width: Array
 
 
 def _look(
@@ -129,20 +131,23 @@ def _look(
     if np.isnan(stand.start).all():
         return None
     stand = replace(stand, start=standing(stand.start), height=stand.height if before is None else before.height)
-    windows, longest = windows_about(picture, rays, stand.start, settings), max(LONGEST_STEP, FARTHEST * width)
+    widths = np.full(known.size, width) if before is None else before.width
+    windows, longest = windows_about(picture, rays, stand.start, widths, settings), max(LONGEST_STEP, FARTHEST * width)
     if before is not None:
         noise, response = before.noise, before.response
     else:
-        noise = breadth(windows, stand, replace(settings.noise, additive=settings.sensor), every=every)
+        width, widths = breadth(windows, stand, width, every=every, closed=rays.closed)
+        noise = replace(settings.noise, additive=settings.sensor, width=width)
+        windows = replace(windows, width=widths)
         noise = speckle_across(windows, stand, line.base, noise, every=every)
         noise = _best_floor(windows, stand, rays, noise, every, longest)
         response = _response(windows, stand, noise, every)
     moved, u = generalised_step(windows, stand.height, noise)
     misled = stand.calm & ~(np.abs(moved) <= MISLED * u)
     start = np.where(misled, standing(known), stand.start)
-    moved, u = generalised_step(windows_about(picture, rays, start, settings), stand.height, noise)
+    moved, u = generalised_step(windows_about(picture, rays, start, widths, settings), stand.height, noise)
     place = start + np.where(np.abs(moved / response) <= longest, moved / response, np.nan)
-    return Look(place, u / response, stand.calm & ~misled, noise, stand.rough, stand.height, response)
+    return Look(place, u / response, stand.calm & ~misled, noise, stand.rough, stand.height, response, widths)
 
 
 def _best_floor(

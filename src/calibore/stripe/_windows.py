@@ -17,16 +17,17 @@ PHASES = 8
 @dataclass(frozen=True)
 class Windows:
     """Samples of n rays: brightness `value` (n, m), NaN outside the picture, at `distance` (n, m) [px]
-    from where each ray is looked at from, `apart` [px] from each other.
+    from where each ray is looked at from, `apart` [px] from each other; the `width` (n,) [px] of the line there.
     """
 
     value: Array
     distance: Array
     apart: float
+    width: Array
 
     def few(self, every: int) -> "Windows":
         """One ray in `every`."""
-        return Windows(self.value[::every], self.distance[::every], self.apart)
+        return Windows(self.value[::every], self.distance[::every], self.apart, self.width[::every])
 
 
 def standing(start: Array) -> Array:
@@ -34,8 +35,8 @@ def standing(start: Array) -> Array:
     return np.floor(start * PHASES + 0.5) / PHASES
 
 
-def windows_about(picture: Picture, rays: Rays, start: Array, settings: ScanSettings) -> Windows:
-    """About `start` (n,) [px along the rays], NaN for rays without."""
+def windows_about(picture: Picture, rays: Rays, start: Array, width: Array, settings: ScanSettings) -> Windows:
+    """About `start` (n,) [px along the rays], NaN for rays without; the line is `width` (n,) [px] there."""
     known, plane, group = np.isfinite(start), picture.plane(), settings.group
     start = np.where(known, start, 0.0)
     middle = np.floor(start + 0.5).astype(np.intp)
@@ -46,4 +47,4 @@ def windows_about(picture: Picture, rays: Rays, start: Array, settings: ScanSett
     every = bilinear(plane, rays, inside_of(plane, rays))
     value = np.where(inside, np.take_along_axis(every, np.clip(at, 0, rays.samples - 1), axis=1), np.nan)
     distance = offset.reshape(-1, group).mean(axis=1) + (middle - start)[:, None]
-    return Windows(value.reshape(len(start), -1, group).mean(axis=2), distance, float(group))
+    return Windows(value.reshape(len(start), -1, group).mean(axis=2), distance, float(group), width)
