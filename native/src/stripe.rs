@@ -30,6 +30,7 @@ mod neighbours;
 mod noise;
 mod path;
 mod peak;
+mod pieces;
 mod plateau;
 mod rays;
 mod refine;

@@ -1,5 +1,6 @@
 //! Speckle across the line, learnt from the line itself (see the Python module `_across`).
 
+use super::breadth::width_of;
 use super::neighbours::Standpoint;
 use super::noise::MOST_CONTRAST;
 use super::settings::Noise;
@@ -26,10 +27,9 @@ pub fn speckle_across(windows: &Windows, stand: &Standpoint, (base, flank, every
     let hidden = flank.map_or(0.0, |flank| median(&mut calm().map(|ray| flank[ray]).collect::<Vec<f64>>()).max(0.0));
     let core = (((CORE * noise.width + hidden) / apart + 0.5) as usize).clamp(1, middle);
     let columns = 2 * core + 1;
-    let inverse = 0.5 / (noise.width * noise.width);
     // 1 / bell where there is a sample
     let over = |pattern: &Pattern, k: usize| match pattern.missing >> k & 1 {
-        0 => (inverse * (windows.offset(k) + pattern.fraction).powi(2)).exp(),
+        0 => (0.5 * ((windows.offset(k) + pattern.fraction) / width_of(&noise, pattern.level)).powi(2)).exp(),
         _ => f64::NAN,
     };
     let over: Vec<f64> = windows.patterns.iter().flat_map(|pattern| (middle - core..=middle + core).map(|k| over(pattern, k))).collect();

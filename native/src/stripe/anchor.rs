@@ -12,17 +12,22 @@ const ASTRAY: f64 = 6.0;
 /// Standard deviation of a median over that of a mean.
 const OF_MEDIAN: f64 = 1.2533;
 
-/// How far the first look lies beside the second on all of the line, and how far it may on one ray.
+/// How far the first look lies beside the second on all of the line, and how many standard uncertainties it may on one ray.
 pub struct Anchor {
     pub aside: f64,
     pub astray: f64,
 }
 
-/// From the places `first` and `second` of the rays that are `calm`; where the top is `hidden` (nowhere where that is empty), no look has seen it.
-pub fn anchor((first, second): (&[f64], &[f64]), calm: &[bool], hidden: &[bool], width: f64, spacing: f64) -> Anchor {
+/// From the places `first` and `second`, of standard uncertainty `u`, of the rays that are `calm`; where the top is `hidden` (nowhere where that
+/// is empty), no look has seen it.
+pub fn anchor(first: &[f64], (second, u): (&[f64], &[f64]), calm: &[bool], hidden: &[bool], (width, spacing): (f64, f64)) -> Anchor {
     let mut off: Vec<f64> = first.iter().zip(second).zip(calm).map(|((a, b), calm)| if *calm { a - b } else { f64::NAN }).collect();
     let about = |values: &[f64], middle: f64| {
         NORMAL * median(&mut values.iter().filter(|v| !v.is_nan()).map(|v| (v - middle).abs()).collect::<Vec<f64>>())
+    };
+    let beside = |values: &[f64], middle: f64| {
+        let mut parts: Vec<f64> = values.iter().zip(u).map(|(off, u)| (off - middle).abs() / u).filter(|part| !part.is_nan()).collect();
+        ASTRAY * NORMAL * median(&mut parts)
     };
     let all = hidden.contains(&true).then(|| off.clone());
     off.iter_mut().zip(hidden).filter(|(_, hidden)| **hidden).for_each(|(off, _)| *off = f64::NAN);
@@ -34,11 +39,11 @@ pub fn anchor((first, second): (&[f64], &[f64]), calm: &[bool], hidden: &[bool],
     let blocks: Vec<f64> = off.chunks(block).filter_map(mean).collect();
     if blocks.len() < FEWEST_BLOCKS {
         let mut known: Vec<f64> = all.iter().flatten().copied().filter(|off| !off.is_nan()).collect();
-        let astray = if known.is_empty() { f64::INFINITY } else { ASTRAY * about(&known.clone(), median(&mut known)) };
+        let astray = if known.is_empty() { f64::INFINITY } else { beside(all.as_ref().unwrap_or(&off), median(&mut known)) };
         return Anchor { aside: 0.0, astray };
     }
     let middle = median(&mut blocks.clone());
     let doubt = about(&blocks, middle) * (CERTAIN * OF_MEDIAN / (blocks.len() as f64).sqrt()).max(1.0);
     let part = if middle == 0.0 { 0.0 } else { (1.0 - (doubt / middle).powi(2)).max(0.0) };
-    Anchor { aside: HALF * middle * part, astray: ASTRAY * about(all.as_ref().unwrap_or(&off), middle) }
+    Anchor { aside: HALF * middle * part, astray: beside(all.as_ref().unwrap_or(&off), middle) }
 }

@@ -1,5 +1,6 @@
 //! Generalised least squares of a Gaussian line on many rays (see the Python module `_generalised`).
 
+use super::breadth::width_of;
 use super::lanes::{Lanes, LANES};
 use super::settings::{Noise, MOST_SAMPLES};
 use super::vectors::{vectorised, Vectors};
@@ -49,7 +50,8 @@ impl Functional {
 pub fn functionals(windows: &Windows, patterns: &[Pattern], noise: &Noise, aside: f64, vectors: Vectors) -> Vec<Functional> {
     let mut fit = Elimination::new(windows, noise, aside);
     let mut found = Vec::with_capacity(patterns.len() + LANES);
-    for patterns in patterns.chunks(LANES) {
+    for patterns in patterns.chunk_by(|one, other| one.level == other.level).flat_map(|some| some.chunks(LANES)) {
+        fit.inverse = 1.0 / width_of(noise, patterns[0].level).powi(2);
         eliminate(vectors, &mut fit, patterns);
         found.extend_from_slice(&fit.found[..patterns.len()]);
     }
@@ -116,7 +118,7 @@ impl<'a> Elimination<'a> {
             count,
             offset: (0..count).map(|k| windows.offset(k)).collect(),
             apart: windows.apart,
-            inverse: 1.0 / (noise.width * noise.width),
+            inverse: f64::NAN,
             noise,
             aside,
             shared,

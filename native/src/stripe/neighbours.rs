@@ -1,12 +1,17 @@
 //! Where the neighbours of each ray say that the line is (see the Python module `_neighbours`).
 
 use super::noise::NORMAL;
+use super::pieces::{rays_of, smoothed, FEWEST, PIECES};
 use super::settle::Found;
 use super::statistics::median;
 
 const FEWEST_BESIDE: usize = 4;
 const LARGEST_PART: usize = 16;
 const ASTRAY: f64 = 3.0;
+/// Standard deviation of a normal distribution over its mean absolute deviation.
+const MEAN: f64 = 1.2533;
+/// Values added at the same time.
+const TOGETHER: usize = 4;
 const CALM: f64 = 0.75;
 
 /// Where rays are looked at from (see the Python class `Standpoint`).
@@ -32,12 +37,12 @@ pub fn standpoints(
     let astray: Vec<f64> = position.iter().zip(&guide).map(|(place, guide)| (place - guide).abs()).collect();
     let mut known: Vec<f64> = astray.iter().copied().filter(|astray| !astray.is_nan()).collect();
     let rough = NORMAL * median(&mut known);
-    let limit = ASTRAY * rough;
-    let straight: Vec<bool> = astray.iter().map(|&astray| astray <= limit).collect();
+    let limit = limits(&astray, rough, closed);
+    let straight: Vec<bool> = astray.iter().zip(&limit).map(|(astray, limit)| astray <= limit).collect();
     let (guide, count) = near.line(position, &straight);
     let enough = CALM * (2 * reach + 1) as f64;
     let calm: Vec<bool> =
-        (0..position.len()).map(|ray| straight[ray] && (position[ray] - guide[ray]).abs() <= limit && count[ray] >= enough).collect();
+        (0..position.len()).map(|ray| straight[ray] && (position[ray] - guide[ray]).abs() <= limit[ray] && count[ray] >= enough).collect();
     let start = (0..position.len()).map(|ray| if calm[ray] { guide[ray] } else { position[ray] }).collect();
     Standpoint { start, height: height.unwrap_or_else(|| near.mean(line.height, &seen)), calm, rough }
 }
@@ -45,6 +50,30 @@ pub fn standpoints(
 /// Neighbours on each side of a ray, of `count` rays `spacing` apart, that lie `within` of it.
 pub fn reach_of(count: usize, within: f64, spacing: f64) -> usize {
     ((within / spacing).ceil() as usize).clamp(FEWEST_BESIDE, FEWEST_BESIDE.max(count / LARGEST_PART))
+}
+
+/// How far `astray` the places of straight line may be; all are `rough`, those of a piece may be rougher.
+fn limits(astray: &[f64], rough: f64, closed: bool) -> Vec<f64> {
+    let most = ASTRAY * rough;
+    let clipped = |off: f64| if off < most { off } else { most };
+    let told = |k: usize| {
+        let here = &astray[rays_of(k, astray.len())];
+        let unknown = here.iter().filter(|off| off.is_nan()).count();
+        let (some, rest) = here.as_chunks::<TOGETHER>();
+        let mut sums = [0.0; TOGETHER];
+        some.iter().for_each(|some| (0..TOGETHER).for_each(|k| sums[k] += clipped(some[k])));
+        let total = sums.iter().sum::<f64>() + rest.iter().map(|&off| clipped(off)).sum::<f64>() - most * unknown as f64;
+        let count = (here.len() - unknown) as f64;
+        if count >= FEWEST {
+            MEAN * total / count
+        } else {
+            rough
+        }
+    };
+    let here = smoothed(std::array::from_fn(told), closed);
+    let mut limits = Vec::with_capacity(astray.len());
+    (0..PIECES).for_each(|k| limits.resize(rays_of(k, astray.len()).end, ASTRAY * here[k].max(rough)));
+    limits
 }
 
 /// The rays within `reach` of each.

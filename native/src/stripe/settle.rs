@@ -3,7 +3,7 @@
 use super::across::speckle_across;
 use super::alone::alone;
 use super::anchor::{anchor, Anchor};
-use super::breadth::breadth;
+use super::breadth::breadths;
 use super::flanks::Flanks;
 use super::generalised::{functionals, functionals_of, Functional};
 use super::neighbours::{standpoints, Standpoint};
@@ -63,13 +63,14 @@ fn settled<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings: &S
     // from better places they are better still
     let (known, told) = (first.better(&line), first.rough <= ROUGH * first.noise.width);
     let Look { place: settled, u, calm, hidden, noise, .. } = look(plane, rays, &line, &known, settings, (NEAR, told.then_some(first)));
-    let Anchor { aside, astray } = anchor((line.position, &settled), &calm, &hidden, noise.width, rays.spacing);
+    let Anchor { aside, astray } = anchor(line.position, (&settled, &u), &calm, &hidden, (noise.width, rays.spacing));
     let left = Settings { noise: noise.clone(), ..settings.clone() };
     let stays = |ray: usize| settled[ray].is_nan();
     alone((plane, rays), &mut line, settings.side(), stays, &left);
     for ray in (0..settled.len()).filter(|&ray| !settled[ray].is_nan()) {
         let (place, off) = (settled[ray] + aside, line.position[ray] - settled[ray] - aside);
-        (line.position[ray], line.u[ray]) = if off.abs() <= astray { (place, u[ray]) } else { (line.position[ray], u[ray].hypot(off)) };
+        (line.position[ray], line.u[ray]) =
+            if off.abs() <= astray * u[ray] { (place, u[ray]) } else { (line.position[ray], u[ray].hypot(off)) };
     }
     noise
 }
@@ -85,6 +86,8 @@ struct Look {
     rough: f64,
     height: Vec<f64>,
     response: f64,
+    /// How wide the line of each ray is (see `breadth`).
+    levels: Vec<i8>,
 }
 
 impl Look {
@@ -108,36 +111,51 @@ fn look<T: Grey>(
     let (told, height) = before
         .map(|before| {
             hidden = before.hidden;
-            ((before.noise, before.response), before.height)
+            ((before.noise, before.response, before.levels), before.height)
         })
         .unzip();
-    let width = told.as_ref().map_or(settings.noise.width, |(noise, _)| noise.width);
+    let width = told.as_ref().map_or(settings.noise.width, |(noise, ..)| noise.width);
     let mut stand = standpoints((known, height), line, (reach * width, rays.spacing), rays.closed);
     stand.start.iter_mut().for_each(|start| *start = standing(*start));
     let mut windows = Windows::about(plane, rays, line, (&stand.start, &stand.height), settings);
     let every = (known.len() / ENOUGH).max(1);
     let longest = LONGEST_STEP.max(FARTHEST * width);
-    let mut flanks = None;
-    if told.is_none() && windows.bright.is_some() {
+    let (learnt, mut flanks) = (told.is_none(), None);
+    if learnt && windows.bright.is_some() {
         let noise = Noise { additive: settings.sensor, ..settings.noise.clone() };
         let seen = flanks.insert(Flanks::of(&windows, &mut stand, rays, noise, (reach * width, every)));
         hidden = seen.hidden();
         windows = windows.raised(&stand.height).unsmeared(rays, &hidden, &stand.height, seen.noise.width);
-    } else if let Some((noise, _)) = &told {
+    } else if let Some((noise, ..)) = &told {
         windows = windows.unsmeared(rays, &hidden, &stand.height, noise.width);
     }
-    let second = Second { windows: &windows, stand: &stand, flanks: flanks.as_ref(), settings, every, longest };
-    let (noise, response) = told.unwrap_or_else(|| {
-        let noise = second.noise(rays, line.base);
-        let response = second.response(&noise);
-        (noise, response)
+    let (noise, response, levels) = told.unwrap_or_else(|| match &flanks {
+        Some(seen) => (seen.noise.clone(), 1.0, Vec::new()),
+        None => {
+            let noise = Noise { additive: settings.sensor, ..settings.noise.clone() };
+            let (noise, levels) = breadths(&windows, &stand, every, noise, rays.closed);
+            (noise, 1.0, levels)
+        }
     });
+    if !levels.is_empty() {
+        windows.widened(levels.clone(), (&stand.start, &stand.height));
+    }
+    let second = Second { windows: &windows, stand: &stand, flanks: flanks.as_ref(), settings, every, longest };
+    let (noise, response) = match learnt {
+        true => {
+            let noise = second.noise(rays, line.base, noise);
+            let response = second.response(&noise);
+            (noise, response)
+        }
+        false => (noise, response),
+    };
     let mut found = functionals(&windows, &windows.patterns, &noise, 0.0, settings.vectors);
     let (mut moved, mut u) = second.steps(&found, &noise);
     let misled = second.misled(&moved, &u);
     for ray in misled {
         (stand.start[ray], stand.calm[ray]) = (standing(known[ray]), false);
         let samples = (floor(line.position[ray] + 0.5) - settings.side() as i64, line.samples[ray]);
+        windows.turn_to(ray);
         windows.look(plane, (&rays.rays[ray], samples), ray, (stand.start[ray], stand.height[ray]));
         if rays.closed && hidden.get(ray) == Some(&true) {
             windows.unsmear(&rays.rays[ray], ray, (stand.height[ray], noise.width));
@@ -152,7 +170,7 @@ fn look<T: Grey>(
     let place = |ray: usize| if kept(ray) { stand.start[ray] + moved[ray] / response } else { f64::NAN };
     let place = (0..moved.len()).map(place).collect();
     u.iter_mut().for_each(|u| *u /= response);
-    Look { place, u, calm: stand.calm, hidden, noise, rough: stand.rough, height: stand.height, response }
+    Look { place, u, calm: stand.calm, hidden, noise, rough: stand.rough, height: stand.height, response, levels }
 }
 
 /// The second look at all rays.
@@ -173,17 +191,10 @@ impl Second<'_> {
         (0..moved.len()).filter(|&ray| self.stand.calm[ray] && !(moved[ray].abs() <= MISLED * u[ray])).collect()
     }
 
-    /// The noise of the line, learnt from the line itself.
-    fn noise(&self, rays: &Rays, base: &[f64]) -> Noise {
-        let noise = match self.flanks {
-            Some(seen) => speckle_across(&seen.windows, self.stand, (base, Some(&seen.flank), self.every), seen.noise.clone()),
-            None => {
-                let noise = Noise { additive: self.settings.sensor, ..self.settings.noise.clone() };
-                let noise = breadth(self.windows, self.stand, self.every, noise);
-                speckle_across(self.windows, self.stand, (base, None, self.every), noise)
-            }
-        };
-        self.best_floor(rays, noise)
+    /// `noise` with contrast, grain and floor of the line, learnt from the line itself.
+    fn noise(&self, rays: &Rays, base: &[f64], noise: Noise) -> Noise {
+        let (windows, flank) = self.flanks.map_or((self.windows, None), |seen| (&seen.windows, Some(&seen.flank[..])));
+        self.best_floor(rays, speckle_across(windows, self.stand, (base, flank, self.every), noise))
     }
 
     /// `noise` with the additive noise under which neighbours agree best.

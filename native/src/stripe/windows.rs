@@ -16,13 +16,17 @@ pub const PHASES: f64 = 8.0;
 pub const FOUR: usize = 4;
 
 /// What rays have in common that weight their samples alike: distance of the middle of the window from the standpoint, usual height of the
-/// line, and the missing samples, one bit each.
+/// line, the missing samples, one bit each, and the line's width.
 #[derive(Clone)]
 pub struct Pattern {
     pub fraction: f64,
     pub height: f64,
     pub missing: u32,
+    /// The line is wider than elsewhere by so many levels of `breadth`.
+    pub level: i8,
 }
+
+const UNKNOWN: (i16, u32, usize) = (0, u32::MAX, 0);
 
 #[derive(Clone)]
 pub struct Windows {
@@ -36,7 +40,10 @@ pub struct Windows {
     pub first: Vec<i64>,
     /// Number of each ray's pattern.
     pub pattern: Vec<usize>,
-    known: HashMap<(i16, i16, u32), usize>,
+    /// How wide the line of each ray is, none where it is as wide everywhere; and of the ray that is looked at.
+    levels: Vec<i8>,
+    level: i8,
+    known: HashMap<(i16, i16, u32, i8), usize>,
     /// The pattern looked up before of every phase.
     last: [(i16, u32, usize); PHASES as usize + 1],
     /// By rows; 0 where they are missing, but for clipped ones.
@@ -77,8 +84,10 @@ impl Windows {
             patterns: Vec::new(),
             first: vec![0; number],
             pattern: vec![0; number],
+            levels: Vec::new(),
+            level: 0,
             known: HashMap::new(),
-            last: [(0, u32::MAX, 0); PHASES as usize + 1],
+            last: [UNKNOWN; PHASES as usize + 1],
             values: vec![0.0; row * number],
             row,
             samples: rays.samples,
@@ -122,6 +131,30 @@ impl Windows {
         };
         (self.fraction[number], self.first[number]) = (middle as f64 - start, low);
         self.pattern[number] = self.pattern_of(middle as f64 - start, height, missing | self.white_bits[number]);
+    }
+
+    /// Tells the rays that have a `start` by `levels` of width as well, none where it does not differ.
+    pub fn widened(&mut self, levels: Vec<i8>, (start, height): (&[f64], &[f64])) {
+        let mut rays: Vec<usize> = (0..levels.len()).filter(|&ray| start[ray].is_finite()).collect();
+        // patterns of one width together
+        rays.sort_by_key(|&ray| levels[ray]);
+        let before = std::mem::take(&mut self.patterns);
+        self.known.clear();
+        self.last = [UNKNOWN; PHASES as usize + 1];
+        self.levels = levels;
+        for ray in rays {
+            let missing = before[self.pattern[ray]].missing;
+            self.turn_to(ray);
+            self.pattern[ray] = self.pattern_of(self.fraction[ray], height[ray], missing);
+        }
+    }
+
+    /// Has the next patterns those of a line as wide as that of `ray`.
+    pub fn turn_to(&mut self, ray: usize) {
+        let level = self.levels.get(ray).copied().unwrap_or(0);
+        if level != self.level {
+            (self.level, self.last) = (level, [UNKNOWN; PHASES as usize + 1]);
+        }
     }
 
     /// Reads the samples of the window from `low` on from the picture.
@@ -177,8 +210,7 @@ impl Windows {
 
     /// The same samples where the line is `height`, without the `missing` ones of each ray.
     fn again(&self, height: &[f64], missing: impl Fn(usize, u32) -> u32) -> Windows {
-        let mut again =
-            Windows { patterns: Vec::new(), known: HashMap::new(), last: [(0, u32::MAX, 0); PHASES as usize + 1], ..self.clone() };
+        let mut again = Windows { patterns: Vec::new(), known: HashMap::new(), last: [UNKNOWN; PHASES as usize + 1], ..self.clone() };
         for (ray, height) in height.iter().enumerate() {
             let missing = missing(ray, self.patterns[self.pattern[ray]].missing);
             again.pattern[ray] = again.pattern_of(self.fraction[ray], *height, missing);
@@ -203,9 +235,9 @@ impl Windows {
         let (phase, level) = ((fraction * PHASES) as i16, ((scaled.to_bits() >> 52) & 0x7ff) as i16 - 1023);
         let last = &mut self.last[(phase + PHASES as i16 / 2) as usize];
         if (last.0, last.1) != (level, missing) {
-            let (patterns, next) = (&mut self.patterns, self.known.len());
-            let number = *self.known.entry((phase, level, missing)).or_insert_with(|| {
-                patterns.push(Pattern { fraction, height: f64::from(level).exp2(), missing });
+            let (patterns, next, wide) = (&mut self.patterns, self.known.len(), self.level);
+            let number = *self.known.entry((phase, level, missing, wide)).or_insert_with(|| {
+                patterns.push(Pattern { fraction, height: f64::from(level).exp2(), missing, level: wide });
                 next
             });
             *last = (level, missing, number);

@@ -35,7 +35,7 @@ def speckle_across(
     hidden = 0.0 if flank is None else max(float(np.median(flank[few][calm])), 0.0)
     core = int(np.clip(np.floor((CORE * noise.width + hidden) / apart + 0.5), 1, middle))
     columns = slice(middle - core, middle + core + 1)
-    bell = np.exp(-(windows.distance[few] ** 2) / (2 * noise.width**2))
+    bell = np.exp(-(windows.distance[few] ** 2) / (2 * windows.width[few, None] ** 2))
     line, background = stand.height[few, None] * bell, float(np.median(base[few][calm]))
     share = ((windows.value[few] - background) / np.where(line > 0, line, np.nan))[calm, columns]
     share = np.minimum(share, BRIGHTEST)

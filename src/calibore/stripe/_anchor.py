@@ -30,17 +30,26 @@ OF_MEDIAN = 1.2533
 
 @dataclass(frozen=True)
 class Anchor:
-    """How far the first look lies beside the second on all of the line, and how far it may on one ray [px]."""
+    """How far the first look lies `aside` of the second on all of the line [px]; how many standard uncertainties it may
+    be `astray` on one ray, for where the line is wide or faint both looks are less sure.
+    """
 
     aside: float
     astray: float
 
 
 def anchor(
-    first: Array, second: Array, calm: NDArray[np.bool_], hidden: NDArray[np.bool_], *, width: float, spacing: float
+    first: Array,
+    second: Array,
+    calm: NDArray[np.bool_],
+    u: Array,
+    hidden: NDArray[np.bool_],
+    *,
+    width: float,
+    spacing: float,
 ) -> Anchor:
-    """From the places `first` and `second` (n,) [px] of the rays that are `calm` (n,), NaN where there is none; where
-    the top is `hidden` (n,) no look has seen it.
+    """From the places `first` and `second` (n,) [px], NaN where there is none, the latter of standard uncertainty `u`,
+    of the rays that are `calm` (n,); where the top is `hidden` (n,) no look has seen it.
     """
     differs = np.where(calm, first - second, np.nan)
     off = np.where(hidden, np.nan, differs)
@@ -50,13 +59,18 @@ def anchor(
     means = np.array([piece.mean() for piece in pieces if 2 * piece.size >= block])
     if means.size < FEWEST_BLOCKS:
         known = differs[np.isfinite(differs)]
-        return Anchor(0.0, ASTRAY * _about(known, float(np.median(known))) if hidden.any() and known.size else np.inf)
+        return Anchor(0.0, _astray(differs, u, float(np.median(known))) if hidden.any() and known.size else np.inf)
     middle = float(np.median(means))
     doubt = _about(means, middle) * max(CERTAIN * OF_MEDIAN / np.sqrt(means.size), 1.0)
     part = max(1 - (doubt / middle) ** 2, 0.0) if middle else 0.0
-    return Anchor(HALF * middle * part, ASTRAY * _about(differs[np.isfinite(differs)], middle))
+    return Anchor(HALF * middle * part, _astray(differs, u, middle))
 
 
 def _about(values: Array, middle: float) -> float:
     """Robust standard deviation of `values` (n,) about `middle`."""
     return NORMAL * float(np.median(np.abs(values - middle)))
+
+
+def _astray(off: Array, u: Array, middle: float) -> float:
+    """Standard uncertainties `u` (n,) by which places may be `off` (n,) from the `middle`."""
+    return ASTRAY * NORMAL * float(np.nanmedian(np.abs(off - middle) / u))

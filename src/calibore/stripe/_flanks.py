@@ -64,13 +64,13 @@ def learn_flanks(
     """
     seen, width, hidden = beyond(windows, flank), noise.width, flank >= 0
     if not hidden.any():
-        return seen, stand.height, breadth(seen, stand, noise, every=every)
+        return seen, stand.height, replace(noise, width=breadth(seen, stand, noise.width, every=every))
     height = heights(seen, stand, flank, width, rays, within=within)
     for number in range(ROUNDS):
         if number >= ROUNDS - UNSMEARED:
             seen = beyond(unsmeared(windows, rays, height, noise.width, hidden), flank)
-        noise = breadth(seen, replace(stand, height=height), noise, every=every)
-        noise = replace(noise, width=float(np.clip(noise.width, width / MOST, width * MOST)))
+        learnt = breadth(seen, replace(stand, height=height), noise.width, every=every)
+        noise = replace(noise, width=float(np.clip(learnt, width / MOST, width * MOST)))
         height = heights(seen, stand, flank, noise.width, rays, within=within)
     if np.count_nonzero(hidden & stand.calm) > SEEN * np.count_nonzero(stand.calm):
         noise = replace(noise, contrast=MOST_CONTRAST)

@@ -22,13 +22,13 @@ def generalised_step(windows: Windows, height: Array, noise: NoiseModel, *, asid
     known = np.isfinite(windows.value) & (height > 0)[:, None]
     height = np.where(height > 0, height, 1.0)
     usual = np.exp2(np.floor(np.log2(height) + 0.5))[:, None]
-    distance = windows.distance + aside
-    bell = np.where(known, np.exp(-(distance**2) / (2 * noise.width**2)), 0.0)
+    distance, square = windows.distance + aside, windows.width[:, None] ** 2
+    bell = np.where(known, np.exp(-(distance**2) / (2 * square)), 0.0)
     number = np.arange(distance.shape[1])
     apart = np.abs(number[:, None] - number) * windows.apart
     covariance = noise.contrast * bell[:, :, None] * bell[:, None, :] * np.exp(-(apart**2) / (4 * noise.grain**2))
     covariance[:, number, number] += np.where(known, (noise.additive / usual + noise.gain * bell) / usual, 1.0)
-    jacobian = np.stack([bell * distance / noise.width**2, bell, known * 1.0], axis=2)
+    jacobian = np.stack([bell * distance / square, bell, known * 1.0], axis=2)
     weighted = np.linalg.solve(covariance, jacobian)
     normal = np.swapaxes(jacobian, 1, 2) @ weighted
     fixed = np.linalg.det(normal) > SINGULAR * np.prod(np.diagonal(normal, axis1=1, axis2=2), axis=1)

@@ -6,12 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.stripe._noise import NORMAL
+from calibore.stripe._pieces import FEWEST, PIECES, pieces, smoothed
 
 Array = NDArray[np.float64]
 FEWEST_BESIDE, LARGEST_PART = 4, 16
 """Neighbours on each side are at least so many rays, at most one in so many of all."""
 ASTRAY = 3.0
 """Places further from their neighbours than this many standard deviations belong to no straight piece of line."""
+MEAN = 1.2533
+"""Standard deviation of a normal distribution over its mean absolute deviation."""
 CALM = 0.75
 """Share of the rays near a place that must belong to a straight piece of line for them to say where it is."""
 
@@ -37,7 +40,7 @@ def standpoints(position: Array, height: Array, *, within: float, spacing: float
     seen = np.isfinite(position)
     astray = np.abs(position - _Near(seen, reach, closed).line(position))
     rough = NORMAL * float(np.median(astray[seen]))
-    limit = ASTRAY * rough
+    limit = ASTRAY * _rough_here(astray, seen, rough, closed)
     straight = seen & (astray <= limit)
     near = _Near(straight, reach, closed)
     guide = near.line(position)
@@ -49,6 +52,17 @@ def standpoints(position: Array, height: Array, *, within: float, spacing: float
 def reach_of(count: int, within: float, spacing: float) -> int:
     """Neighbours on each side of a ray, of `count` rays `spacing` [px] apart, that lie `within` [px] of it."""
     return int(np.clip(np.ceil(within / spacing), FEWEST_BESIDE, max(FEWEST_BESIDE, count // LARGEST_PART)))
+
+
+def _rough_here(astray: Array, seen: NDArray[np.bool_], rough: float, closed: bool) -> Array:
+    """Standard deviation (n,) of places about their neighbours on the piece of line that each ray lies on, `rough` at
+    least, which is that of all: a line that is wider somewhere, or fainter, is noisier there.
+    """
+    piece = pieces(astray.size)
+    count = np.bincount(piece[seen], minlength=PIECES)
+    total = np.bincount(piece[seen], np.minimum(astray[seen], ASTRAY * rough), minlength=PIECES)
+    told = np.divide(MEAN * total, count, out=np.full(PIECES, rough), where=count >= FEWEST)
+    return np.maximum(smoothed(told, closed=closed), rough)[piece]
 
 
 class _Near:

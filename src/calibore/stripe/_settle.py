@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from calibore.stripe._across import speckle_across
 from calibore.stripe._alone import alone
 from calibore.stripe._anchor import anchor
-from calibore.stripe._breadth import breadth
+from calibore.stripe._breadth import breadths
 from calibore.stripe._estimators import Estimator, ScanSettings
 from calibore.stripe._flanks import flanks_of, learn_flanks
 from calibore.stripe._generalised import generalised_step
@@ -87,10 +87,10 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
     told = look if look.rough <= ROUGH * look.noise.width else None
     look = _look(picture, rays, line, _better(look, line), settings, told, reach=NEAR)
     place, u, noise = look.place, look.u, look.noise
-    anchored = anchor(line.position, place, look.calm, look.hidden, width=noise.width, spacing=rays.spacing)
+    anchored = anchor(line.position, place, look.calm, u, look.hidden, width=noise.width, spacing=rays.spacing)
     place = place + anchored.aside
     off = np.abs(line.position - place)
-    kept, lost = off <= anchored.astray, np.isnan(place)
+    kept, lost = off <= anchored.astray * u, np.isnan(place)
     first, doubt = alone(picture, rays, line.position, lost, replace(settings, noise=noise))
     return Settled(np.where(kept, place, first), np.where(lost, doubt, np.where(kept, u, np.hypot(u, off))), noise)
 
@@ -108,7 +108,7 @@ def _on_plateaus(picture: Picture, rays: Rays, line: Found) -> Found:
 class Look:
     """What one look has shown: `place` and `u` (n,) [px], NaN where the line was not found again; which rays are `calm`
     (n,) and of which the top is `hidden` (n,); the noise; how `rough` the line was about its neighbours before [px];
-    its `height` (n,) and the `response`.
+    its `height` and `width` (n,), and the `response`.
     """
 
     place: Array
@@ -119,6 +119,7 @@ class Look:
     rough: float
     height: Array
     response: float
+    width: Array
 
 
 def _better(look: Look, line: Found) -> Array:
@@ -143,8 +144,9 @@ def _look(
     stand = standpoints(known, line.height, within=reach * width, spacing=rays.spacing, closed=rays.closed)
     stand = replace(stand, start=standing(stand.start), height=stand.height if before is None else before.height)
     bright = bright_rays(line.height, line.base, line.saturated, settings)
-    windows, longest = windows_about(picture, rays, stand.start, settings, bright), max(LONGEST_STEP, FARTHEST * width)
-    hidden = np.zeros(known.size, dtype=bool)
+    widths = np.full(known.size, width) if before is None else before.width
+    windows = windows_about(picture, rays, stand.start, widths, settings, bright)
+    hidden, longest = np.zeros(known.size, dtype=bool), max(LONGEST_STEP, FARTHEST * width)
     if before is not None:
         noise, response, hidden = before.noise, before.response, before.hidden
         windows = unsmeared(windows, rays, stand.height, noise.width, hidden)
@@ -155,19 +157,24 @@ def _look(
             hidden = flank >= 0
             about = {"within": reach * width, "every": every}
             seen, height, noise = learn_flanks(windows, stand, flank, noise, rays, **about)
+            widths = np.full(known.size, noise.width)
             stand, windows = replace(stand, height=height), unsmeared(windows, rays, height, noise.width, hidden)
         else:
-            noise = breadth(windows, stand, noise, every=every)
+            width, widths = breadths(windows, stand, width, every=every, closed=rays.closed)
+            noise = replace(noise, width=width)
+        seen, windows = replace(seen, width=widths), replace(windows, width=widths)
         noise = speckle_across(seen, stand, line.base, noise, every=every, flank=flank)
         noise = _best_floor(windows, stand, rays, noise, every, longest)
         response = _response(windows, stand, noise, every)
     moved, u = generalised_step(windows, stand.height, noise)
     misled = stand.calm & ~(np.abs(moved) <= MISLED * u)
     start = np.where(misled, standing(known), stand.start)
-    windows = unsmeared(windows_about(picture, rays, start, settings, bright), rays, stand.height, noise.width, hidden)
+    windows = windows_about(picture, rays, start, widths, settings, bright)
+    windows = unsmeared(windows, rays, stand.height, noise.width, hidden)
     moved, u = generalised_step(windows, stand.height, noise)
     place = start + np.where(np.abs(moved / response) <= longest, moved / response, np.nan)
-    return Look(place, u / response, stand.calm & ~misled, hidden, noise, stand.rough, stand.height, response)
+    calm = stand.calm & ~misled
+    return Look(place, u / response, calm, hidden, noise, stand.rough, stand.height, response, widths)
 
 
 def _best_floor(

@@ -19,7 +19,8 @@ PHASES = 8
 class Windows:
     """Samples of n rays: brightness as it is `shown` (n, m), NaN outside the picture; its `value`, NaN where clipped,
     too; at `distance` (n, m) [px] from where each ray is looked at from, `apart` [px] from each other, from the `first`
-    sample (n,) of the ray on; how far from there the farthest `clipped` sample is (n,) [px], -1 where none is.
+    sample (n,) of the ray on; how far from there the farthest `clipped` sample is (n,) [px], -1 where none is; the
+    `width` (n,) [px] of the line there.
     """
 
     shown: Array
@@ -28,11 +29,13 @@ class Windows:
     apart: float
     first: NDArray[np.intp]
     clipped: Array
+    width: Array
 
     def few(self, every: int) -> "Windows":
         """One ray in `every`."""
-        shown, value = self.shown[::every], self.value[::every]
-        return Windows(shown, value, self.distance[::every], self.apart, self.first[::every], self.clipped[::every])
+        shown, value, distance = self.shown[::every], self.value[::every], self.distance[::every]
+        first, clipped, width = self.first[::every], self.clipped[::every], self.width[::every]
+        return Windows(shown, value, distance, self.apart, first, clipped, width)
 
 
 def standing(start: Array) -> Array:
@@ -41,9 +44,16 @@ def standing(start: Array) -> Array:
 
 
 def windows_about(
-    picture: Picture, rays: Rays, start: Array, settings: ScanSettings, bright: NDArray[np.bool_] | None
+    picture: Picture,
+    rays: Rays,
+    start: Array,
+    width: Array,
+    settings: ScanSettings,
+    bright: NDArray[np.bool_] | None,
 ) -> Windows:
-    """About `start` (n,) [px along the rays], NaN for rays without; `bright` rays (n,) may have clipped samples."""
+    """About `start` (n,) [px along the rays], NaN for rays without; the line is `width` (n,) [px] there; `bright` rays
+    (n,) may have clipped samples.
+    """
     known, plane, group = np.isfinite(start), picture.plane(), settings.group
     start = np.where(known, start, 0.0)
     middle = np.floor(start + 0.5).astype(np.intp)
@@ -62,4 +72,4 @@ def windows_about(
         white = white.reshape(len(start), -1, group).any(axis=2)
         value = np.where(white, np.nan, shown)
         reach = np.max(np.where(white, np.abs(distance), -1.0), axis=1)
-    return Windows(shown, value, distance, float(group), at[:, 0], reach)
+    return Windows(shown, value, distance, float(group), at[:, 0], reach, width)
