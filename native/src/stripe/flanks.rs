@@ -1,6 +1,6 @@
 //! What the flanks tell of a line whose top is clipped (see the Python module `_flanks`).
 
-use super::breadth::breadth;
+use super::breadth::{breadth, breadths};
 use super::neighbours::{reach_of, Standpoint};
 use super::noise::MOST_CONTRAST;
 use super::rays::Rays;
@@ -22,6 +22,8 @@ pub struct Flanks {
     /// How far from the middle samples are often clipped on the rays about each, and half a sample further; -1 where none is.
     pub flank: Vec<f64>,
     pub noise: Noise,
+    /// How wide the line of each ray is (see `breadths`); none where its top is hidden anywhere.
+    pub levels: Vec<i8>,
 }
 
 impl Flanks {
@@ -31,10 +33,10 @@ impl Flanks {
         let flank = often(&windows.clipped, reach, rays.closed);
         let flank: Vec<f64> = flank.into_iter().map(|far| if far >= 0.0 { far + 0.5 * windows.apart } else { -1.0 }).collect();
         let (usual, width) = (stand.height.clone(), noise.width);
-        let mut flanks = Flanks { windows: windows.beyond(&usual, &flank), flank, noise };
+        let mut flanks = Flanks { windows: windows.beyond(&usual, &flank), flank, noise, levels: Vec::new() };
         let hidden = flanks.hidden();
         if !hidden.contains(&true) {
-            flanks.noise = breadth(&flanks.windows, stand, every, flanks.noise);
+            (flanks.noise, flanks.levels) = breadths(&flanks.windows, stand, every, flanks.noise, rays.closed);
             return flanks;
         }
         stand.height = flanks.heights(stand, &usual, (reach, rays.closed));

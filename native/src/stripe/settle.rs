@@ -130,7 +130,7 @@ fn look<T: Grey>(
         windows = windows.unsmeared(rays, &hidden, &stand.height, noise.width);
     }
     let (noise, response, levels) = told.unwrap_or_else(|| match &flanks {
-        Some(seen) => (seen.noise.clone(), 1.0, Vec::new()),
+        Some(seen) => (seen.noise.clone(), 1.0, seen.levels.clone()),
         None => {
             let noise = Noise { additive: settings.sensor, ..settings.noise.clone() };
             let (noise, levels) = breadths(&windows, &stand, every, noise, rays.closed);
@@ -138,7 +138,8 @@ fn look<T: Grey>(
         }
     });
     if !levels.is_empty() {
-        windows.widened(levels.clone(), (&stand.start, &stand.height));
+        let all = flanks.iter_mut().map(|seen| &mut seen.windows).chain([&mut windows]);
+        all.for_each(|windows| windows.widened(&levels, (&stand.start, &stand.height)));
     }
     let second = Second { windows: &windows, stand: &stand, flanks: flanks.as_ref(), settings, every, longest };
     let (noise, response) = match learnt {

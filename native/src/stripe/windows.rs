@@ -134,14 +134,14 @@ impl Windows {
     }
 
     /// Tells the rays that have a `start` by `levels` of width as well, none where it does not differ.
-    pub fn widened(&mut self, levels: Vec<i8>, (start, height): (&[f64], &[f64])) {
+    pub fn widened(&mut self, levels: &[i8], (start, height): (&[f64], &[f64])) {
         let mut rays: Vec<usize> = (0..levels.len()).filter(|&ray| start[ray].is_finite()).collect();
         // patterns of one width together
         rays.sort_by_key(|&ray| levels[ray]);
         let before = std::mem::take(&mut self.patterns);
         self.known.clear();
         self.last = [UNKNOWN; PHASES as usize + 1];
-        self.levels = levels;
+        self.levels = levels.to_vec();
         for ray in rays {
             let missing = before[self.pattern[ray]].missing;
             self.turn_to(ray);

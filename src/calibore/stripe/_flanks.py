@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from calibore.stripe._breadth import breadth
+from calibore.stripe._breadth import breadth, breadths
 from calibore.stripe._neighbours import Standpoint, reach_of
 from calibore.stripe._noise import MOST_CONTRAST, NoiseModel
 from calibore.stripe._rays import Rays
@@ -59,12 +59,13 @@ def learn_flanks(
     within: float,
     every: int,
 ) -> tuple[Windows, Array, NoiseModel]:
-    """`windows` without what is within the `flank` (n,), the height (n,) of the line and `noise` with its width learnt
-    from them.
+    """`windows` without what is within the `flank` (n,), with the width of the line at every ray; its height (n,) and
+    `noise` with its width learnt from them. Where its top is hidden anywhere the width is the same everywhere.
     """
     seen, width, hidden = beyond(windows, flank), noise.width, flank >= 0
     if not hidden.any():
-        return seen, stand.height, replace(noise, width=breadth(seen, stand, noise.width, every=every))
+        width, widths = breadths(seen, stand, noise.width, every=every, closed=rays.closed)
+        return replace(seen, width=widths), stand.height, replace(noise, width=width)
     height = heights(seen, stand, flank, width, rays, within=within)
     for number in range(ROUNDS):
         if number >= ROUNDS - UNSMEARED:
@@ -74,7 +75,7 @@ def learn_flanks(
         height = heights(seen, stand, flank, noise.width, rays, within=within)
     if np.count_nonzero(hidden & stand.calm) > SEEN * np.count_nonzero(stand.calm):
         noise = replace(noise, contrast=MOST_CONTRAST)
-    return seen, height, noise
+    return replace(seen, width=np.full(hidden.size, noise.width)), height, noise
 
 
 def heights(windows: Windows, stand: Standpoint, flank: Array, width: float, rays: Rays, *, within: float) -> Array:

@@ -157,7 +157,7 @@ def _look(
             hidden = flank >= 0
             about = {"within": reach * width, "every": every}
             seen, height, noise = learn_flanks(windows, stand, flank, noise, rays, **about)
-            widths = np.full(known.size, noise.width)
+            widths = seen.width
             stand, windows = replace(stand, height=height), unsmeared(windows, rays, height, noise.width, hidden)
         else:
             width, widths = breadths(windows, stand, width, every=every, closed=rays.closed)
