@@ -1,5 +1,6 @@
 //! Lines brighter than the picture can show: which samples are clipped, and where a plateau has its middle (see the Python module `_plateau`).
 
+use super::neighbours::reach_of;
 use super::rays::Rays;
 use super::sampling::{Grey, Plane};
 use super::settings::Settings;
@@ -7,17 +8,45 @@ use super::settle::Found;
 use super::statistics::floor;
 use super::walk::GROUP;
 
+const FEW: f64 = 0.05;
+const NEARBY: f64 = 24.0;
+const MOST: f64 = 0.5;
 const BRIGHT: f64 = 0.7;
 const WIDEST_PLATEAU: i64 = 48;
 const HALF: f64 = 0.5;
 
-/// Rays whose peaks may have clipped samples; none where no peak is clipped.
-pub fn bright_rays(line: &Found, settings: &Settings) -> Option<Vec<bool>> {
+/// Rays whose peaks may have clipped samples; none where few peaks are clipped, and nowhere most.
+pub fn bright_rays(line: &Found, settings: &Settings, rays: &Rays) -> Option<Vec<bool>> {
     let white = settings.saturated_from();
     let tops = || line.height.iter().zip(line.base).map(|(height, base)| height + base);
     let bright = |(top, saturated): (f64, &bool)| *saturated || top >= BRIGHT * settings.white;
-    let any = line.saturated.contains(&true) || tops().any(|top| top >= white);
-    any.then(|| tops().zip(line.saturated).map(bright).collect())
+    let clipped = || tops().zip(line.saturated).map(|(top, saturated)| *saturated || top >= white);
+    let (count, total) = (line.height.len(), clipped().filter(|clipped| *clipped).count());
+    if total == 0 {
+        return None;
+    }
+    let many = || {
+        let reach = reach_of(count, NEARBY * settings.noise.width, rays.spacing);
+        most_nearby(&clipped().collect::<Vec<bool>>(), reach, rays.closed) as f64 > MOST * (2 * reach + 1) as f64
+    };
+    (total as f64 > FEW * count as f64 || many()).then(|| tops().zip(line.saturated).map(bright).collect())
+}
+
+/// Most of the rays `within` of any that are `clipped`.
+fn most_nearby(clipped: &[bool], reach: usize, closed: bool) -> usize {
+    let (count, reach) = (clipped.len() as i64, reach as i64);
+    let at = |ray: i64| {
+        let seen =
+            if closed { clipped.get(ray.rem_euclid(count) as usize) } else { usize::try_from(ray).ok().and_then(|ray| clipped.get(ray)) };
+        usize::from(seen == Some(&true))
+    };
+    let mut near: usize = (-reach..=reach).map(at).sum();
+    let mut most = near;
+    for ray in 1..count {
+        near = near + at(ray + reach) - at(ray - 1 - reach);
+        most = most.max(near);
+    }
+    most
 }
 
 /// Puts the saturated peaks of `line` in the middle of their plateaus; the samples about all peaks.

@@ -7,7 +7,7 @@ use super::breadth::breadths;
 use super::flanks::Flanks;
 use super::generalised::{functionals, functionals_of, Functional};
 use super::neighbours::{standpoints, Standpoint};
-use super::plateau::on_plateaus;
+use super::plateau::{bright_rays, on_plateaus};
 use super::rays::Rays;
 use super::refine::LONGEST_STEP;
 use super::sampling::{Grey, Plane};
@@ -46,7 +46,7 @@ pub fn settle<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings:
     if settings.estimator != Estimator::ZeroCrossing || !line.position.iter().any(|place| place.is_finite()) {
         return settings.noise.clone();
     }
-    if !line.saturated.contains(&true) {
+    if bright_rays(&line, settings, rays).is_none() {
         return settled(plane, rays, line, settings);
     }
     let samples = on_plateaus(plane, rays, &mut line, settings);

@@ -93,7 +93,7 @@ impl Windows {
             samples: rays.samples,
             clipped: vec![-1.0; number],
             white_bits: vec![0; number],
-            bright: bright_rays(line, settings),
+            bright: bright_rays(line, settings, rays),
             white: settings.saturated_from(),
             line: vec![f64::NAN; rays.samples + GROUP],
             window: vec![f64::NAN; count * group],

@@ -9,10 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.stripe._estimators import SATURATED_FROM, ScanSettings
+from calibore.stripe._neighbours import reach_of
 from calibore.stripe._picture import Picture, bilinear, inside_of
 from calibore.stripe._rays import Rays
 
 Array = NDArray[np.float64]
+FEW = 0.05
+"""Of all rays ..."""
+NEARBY, MOST = 24.0, 0.5
+"""... and of those so many line widths on each side."""
 BRIGHT = 0.7
 """Peaks above this part of white may have clipped pixels beside them."""
 WIDEST_PLATEAU = 48
@@ -22,11 +27,20 @@ HALF = 0.5
 
 
 def bright_rays(
-    height: Array, base: Array, saturated: NDArray[np.bool_], settings: ScanSettings
+    height: Array, base: Array, saturated: NDArray[np.bool_], settings: ScanSettings, rays: Rays
 ) -> NDArray[np.bool_] | None:
-    """Rays (n,) whose peaks, `height` above `base` (n,), may have clipped samples; None where no peak is clipped."""
+    """Rays (n,) whose peaks, `height` above `base` (n,), may have clipped samples; None where few are clipped, and
+    nowhere most: a clipped grain of speckle here and there still says that it is bright.
+    """
     top = height + base
-    if not (saturated.any() or (top >= settings.saturated_from).any()):
+    clipped = saturated | (top >= settings.saturated_from)
+    if not clipped.any():
+        return None
+    reach = reach_of(clipped.size, NEARBY * settings.noise.width, rays.spacing)
+    padded = np.pad(clipped, reach, mode="wrap") if rays.closed else np.pad(clipped, reach)
+    total = np.concatenate([[0], np.cumsum(padded)])
+    nearby = int((total[2 * reach + 1 :] - total[: -2 * reach - 1]).max())
+    if clipped.sum() <= FEW * clipped.size and nearby <= MOST * (2 * reach + 1):
         return None
     return saturated | (top >= BRIGHT * settings.white)
 

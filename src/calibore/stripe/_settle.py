@@ -80,7 +80,7 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
     """`line` looked at again; only for the default estimator."""
     if settings.estimator is not Estimator.ZERO_CROSSING or not np.isfinite(line.position).any():
         return Settled(line.position, line.u, settings.noise)
-    line = _on_plateaus(picture, rays, line)
+    line = _on_plateaus(picture, rays, line, settings)
     look = _look(picture, rays, line, line.position, settings, reach=REACH)
     if look.hidden.any():  # flanks tell much from places that are all a little off
         look = _look(picture, rays, line, _better(look, line), settings, reach=REACH)
@@ -95,9 +95,9 @@ def settle(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) ->
     return Settled(np.where(kept, place, first), np.where(lost, doubt, np.where(kept, u, np.hypot(u, off))), noise)
 
 
-def _on_plateaus(picture: Picture, rays: Rays, line: Found) -> Found:
+def _on_plateaus(picture: Picture, rays: Rays, line: Found, settings: ScanSettings) -> Found:
     """`line` with its saturated peaks in the middle of their plateaus."""
-    if not line.saturated.any():
+    if bright_rays(line.height, line.base, line.saturated, settings, rays) is None:
         return line
     plane = picture.plane()
     samples = bilinear(plane, rays, inside_of(plane, rays))
@@ -143,7 +143,7 @@ def _look(
     width, every = (settings.noise if before is None else before.noise).width, max(known.size // ENOUGH, 1)
     stand = standpoints(known, line.height, within=reach * width, spacing=rays.spacing, closed=rays.closed)
     stand = replace(stand, start=standing(stand.start), height=stand.height if before is None else before.height)
-    bright = bright_rays(line.height, line.base, line.saturated, settings)
+    bright = bright_rays(line.height, line.base, line.saturated, settings, rays)
     widths = np.full(known.size, width) if before is None else before.width
     windows = windows_about(picture, rays, stand.start, widths, settings, bright)
     hidden, longest = np.zeros(known.size, dtype=bool), max(LONGEST_STEP, FARTHEST * width)
