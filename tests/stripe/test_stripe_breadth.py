@@ -8,7 +8,7 @@ import pytest
 
 from calibore.simulation import Sensor, speckle_field
 from calibore.stripe import detect_line, detect_ring
-from calibore.stripe._breadth import breadth
+from calibore.stripe._breadth import breadths
 from calibore.stripe._neighbours import Standpoint
 from calibore.stripe._pieces import PIECES, along, bridged, pieces, smoothed
 from calibore.stripe._windows import Windows
@@ -84,7 +84,8 @@ def profile(rng, width, *, scatter=0.05, count=1500):
     bell = np.exp(-(distance**2) / (2 * np.asarray(width)[:, None] ** 2))
     value = 100.0 * bell * (1 + scatter * rng.standard_normal(bell.shape)) + rng.standard_normal(bell.shape)
     stand = Standpoint(np.zeros(count), np.full(count, 100.0), np.ones(count, dtype=bool), 0.1)
-    return Windows(value, distance, 1.0, np.full(count, 1.5)), stand
+    first, clipped = np.zeros(count, dtype=np.intp), np.full(count, -1.0)
+    return Windows(value, value, distance, 1.0, first, clipped, np.full(count, 1.5)), stand
 
 
 def test_a_width_that_differs_is_learnt_where_it_is():
@@ -92,7 +93,7 @@ def test_a_width_that_differs_is_learnt_where_it_is():
     for closed in (True, False):
         true = np.exp(0.5 * np.log(NARROW * WIDE) + 0.5 * np.log(WIDE / NARROW) * np.cos(turn - 1.0))
         windows, stand = profile(rng, true)
-        whole, local = breadth(windows, stand, 1.5, every=4, closed=closed)
+        whole, local = breadths(windows, stand, 1.5, every=4, closed=closed)
         assert NARROW < whole < WIDE
         # to half a level, what smoothing takes from the extremes, and noise
         assert np.abs(np.log(local / true)).max() < 0.5 * np.log(1.1) + 0.05
@@ -102,7 +103,7 @@ def test_a_width_that_does_not_differ_is_one_width():
     rng, differing = np.random.default_rng(5), 0
     for _ in range(200):
         windows, stand = profile(rng, np.full(1500, 1.5), scatter=0.3)
-        whole, local = breadth(windows, stand, 1.4, every=4, closed=True)
+        whole, local = breadths(windows, stand, 1.4, every=4, closed=True)
         assert whole == pytest.approx(1.5, rel=0.03)
         differing += not np.all(local == whole)
     assert differing <= 4  # in fact none: they would have to differ by a level too
