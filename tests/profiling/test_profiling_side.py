@@ -40,10 +40,11 @@ def test_the_shared_survey_is_measured_as_well_as_asked(tmp_path: Path) -> None:
     profile_scan(SIDE, tmp_path / "out", workers=2)
     score = score_side(tmp_path / "out", SIDE / "truth.npz")
     assert score["rms_in"] < 0.0035
-    assert score["missed_pct"] <= 5
+    assert score["missed_pct"] <= 2
     assert score["outlier_pct"] == 0
-    # the rig file happens to be exactly right: what is stated of the calibration comes on top of the noise
-    assert 90 <= score["cover95_pct"] < 99.5
+    # the rig file happens to be exactly right: what is stated of the calibration comes on top of the noise, which alone
+    # holds 93.8 %
+    assert 90 <= score["cover95_pct"] < 99.8
     profile = open_profile(tmp_path / "out")
     u = profile.u_independent.values[np.isfinite(profile.u_independent.values)] / 0.0254
     told = u < 10 * np.median(u)  # the others say themselves that next to nothing is known of them

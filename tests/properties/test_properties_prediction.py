@@ -36,11 +36,19 @@ def test_the_rms_of_the_four_planes_is_as_predicted_with_features_in_the_pipe_an
         assert ratio(found) == pytest.approx(1.0, abs=0.06)
 
 
-def test_the_rms_of_a_cone_is_as_predicted_away_from_its_fold():
+def test_the_rms_of_a_cone_is_as_predicted_away_from_its_fold_on_either_side():
+    """Its line is 1.2 px wide below and 2 px above, and so is noisier; with one width for both the ratio was 1.2 and
+    0.4 to 0.9, 1 or not on the whole.
+    """
     rig, plain, keep = instruments()["cone-single"], walls()["plain"], ~beside_fold("cone-single")
-    found = [away(ring_section(rig, plain, seed), keep) for seed in range(2 * STATIONS)]
-    # 6 rings tell it to 3 %
-    assert ratio(found) == pytest.approx(1.0, abs=0.1)
+    sections = [ring_section(rig, plain, seed) for seed in range(2 * STATIONS)]
+    # 6 rings tell it to 3 %, a half of them to 5 %
+    assert ratio([away(section, keep) for section in sections]) == pytest.approx(1.0, abs=0.06)
+    above = np.cos(np.arange(keep.size) * (2 * np.pi / keep.size)) > 0
+    for side in (above, ~above):
+        found = [away(section, keep & side) for section in sections]
+        assert ratio(found) == pytest.approx(1.0, abs=0.1)
+        assert held(*(np.concatenate(arrays) for arrays in zip(*found, strict=True))) == pytest.approx(0.95, abs=0.02)
 
 
 def test_the_rms_of_the_rows_of_a_head_is_as_predicted():

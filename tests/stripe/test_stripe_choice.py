@@ -5,6 +5,7 @@ import pytest
 from stripe_scenes import exposed, line_image, red, ring_brightness
 
 from calibore.errors import ImageError
+from calibore.simulation import Sensor, speckle_field
 from calibore.status import Status
 from calibore.stripe import Stripe, detect_line, detect_ring
 from calibore.stripe._chain import Chain, link
@@ -213,3 +214,22 @@ def test_no_sequence_of_chains_is_better_than_the_best_path(closed: bool) -> Non
             others = [k for k in range(len(chains)) if k != c]
             rest = brute_force([chains[k] for k in others], light[others], **settings)
             assert path.gain[c] == pytest.approx(path.light - rest)
+
+
+def test_a_wide_line_that_speckle_breaks_into_grains_is_one_line() -> None:
+    """Its brightest grains lie up to a line width to both sides: ten rows between two such leaps are not something
+    else. With a pixel of slack for lines of any width 8.3 % of these rows were lost.
+    """
+    rows, columns, width = np.arange(768), np.arange(120), 3.0
+    true, missed, far = 60.3 + 0.0131 * rows, 0, 0
+    for seed in range(6):
+        rng = np.random.default_rng([seed, 79])
+        light = 0.5 * np.exp(-((columns - true[:, None]) ** 2) / (2 * width**2))
+        field = speckle_field(light.shape, contrast=0.6, grain=1.4, rng=rng)
+        picture = Sensor().read_out((light * field)[:, :, None], rng)[:, :, 0]
+        stripe = detect_line(picture, down=True)
+        assert seed or np.array_equal(stripe.status, detect_line(picture, down=True, kernel="numpy").status)
+        missed += int(np.count_nonzero(~stripe.found))
+        far += int(np.count_nonzero(np.abs(stripe.u - true)[stripe.found] > 2 * width))
+    assert missed <= 0.06 * 6 * rows.size  # 4.1 %
+    assert far == 0

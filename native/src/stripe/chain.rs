@@ -5,6 +5,7 @@ use super::scan::Candidates;
 
 pub const STEEPEST: f64 = 2.0;
 pub const SLACK: f64 = 1.0;
+const LOOSE: f64 = 0.8;
 pub const LONGEST_GAP: i64 = 3;
 pub const SHORTEST: usize = 10;
 pub const SLIGHT: f64 = 0.15;
@@ -23,8 +24,9 @@ pub struct Chain {
 }
 
 /// The chains, and which of them each candidate belongs to; those that are not `laser` light to none.
-pub fn link(candidates: &Candidates, laser: &[bool], rays: &Rays) -> (Vec<Chain>, Vec<usize>) {
-    let mut linking = Linking { spacing: rays.spacing, stride: rays.stride, chains: Vec::new(), active: Vec::new() };
+pub fn link(candidates: &Candidates, laser: &[bool], rays: &Rays, slack: f64) -> (Vec<Chain>, Vec<usize>) {
+    let room = Room { slack, steepest: STEEPEST * rays.spacing };
+    let mut linking = Linking { room, stride: rays.stride, chains: Vec::new(), active: Vec::new() };
     let mut number = vec![NONE; candidates.peaks.len()];
     let mut peaks: Vec<(usize, f64, f64)> = Vec::new();
     for ray in 0..candidates.rays() {
@@ -44,17 +46,31 @@ pub fn link(candidates: &Candidates, laser: &[bool], rays: &Rays) -> (Vec<Chain>
     }
     let mut chains = linking.chains;
     if rays.closed {
-        join_ends(&mut chains, &mut number, candidates.rays() as i64, rays.spacing);
+        join_ends(&mut chains, &mut number, candidates.rays() as i64, room);
     }
     (chains, number)
 }
 
-pub fn allowed(spacing: f64, steps: i64) -> f64 {
-    SLACK + STEEPEST * spacing * steps as f64
+/// How far a peak of a line of `width` may jump for its noise.
+pub fn slack_of(width: f64) -> f64 {
+    SLACK.max(LOOSE * width)
+}
+
+/// How far a line may move along its rays: for its noise, and per ray.
+#[derive(Clone, Copy)]
+struct Room {
+    slack: f64,
+    steepest: f64,
+}
+
+impl Room {
+    fn over(self, steps: i64) -> f64 {
+        self.slack + self.steepest * steps as f64
+    }
 }
 
 struct Linking {
-    spacing: f64,
+    room: Room,
     stride: usize,
     chains: Vec<Chain>,
     active: Vec<usize>,
@@ -92,7 +108,7 @@ impl Linking {
 
     fn continues(&self, c: usize, ray: i64, place: f64) -> bool {
         let tail = self.chains[c].tail;
-        (place - tail.1).abs() <= allowed(self.spacing, ray - tail.0)
+        (place - tail.1).abs() <= self.room.over(ray - tail.0)
     }
 
     /// Ends the chains long enough for a line that meet on this ray, or part; whether there are any.
@@ -120,7 +136,7 @@ impl Linking {
         for &c in &self.active {
             let tail = self.chains[c].tail;
             let jump = (place - tail.1).abs();
-            if tail.0 < ray && jump <= allowed(self.spacing, ray - tail.0) && jump < best.0 {
+            if tail.0 < ray && jump <= self.room.over(ray - tail.0) && jump < best.0 {
                 best = (jump, Some(c));
             }
         }
@@ -129,7 +145,7 @@ impl Linking {
 }
 
 /// Chains that meet where a closed scan begins and ends made one, each ending one with the first that continues it.
-fn join_ends(chains: &mut [Chain], number: &mut [usize], rays: i64, spacing: f64) {
+fn join_ends(chains: &mut [Chain], number: &mut [usize], rays: i64, room: Room) {
     let (mut name, mut taken): (Vec<usize>, Vec<usize>) = ((0..chains.len()).collect(), Vec::new());
     let early: Vec<usize> = (0..chains.len()).filter(|&d| chains[d].head.0 <= LONGEST_GAP).collect();
     for c in 0..chains.len() {
@@ -141,7 +157,7 @@ fn join_ends(chains: &mut [Chain], number: &mut [usize], rays: i64, spacing: f64
         let continued = early.iter().copied().find(|&d| {
             let steps = chains[d].head.0 + rays - tail.0;
             let jump = (tail.1 - chains[d].head.1).abs();
-            d != c && !taken.contains(&d) && steps <= LONGEST_GAP + 1 && jump <= allowed(spacing, steps)
+            d != c && !taken.contains(&d) && steps <= LONGEST_GAP + 1 && jump <= room.over(steps)
         });
         if let Some(d) = continued {
             chains[d].head = (head.0 - rays, head.1);

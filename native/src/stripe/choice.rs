@@ -1,6 +1,6 @@
 //! Which candidate on each ray is the line: the rule of the Python module `_choice`.
 
-use super::chain::{link, Chain, LONGEST_GAP, NONE, SHORTEST, SLIGHT};
+use super::chain::{link, slack_of, Chain, LONGEST_GAP, NONE, SHORTEST, SLIGHT};
 use super::light::laser_light;
 use super::path::{best_path, steps_between, MOST_CHAINS};
 use super::rays::Rays;
@@ -31,11 +31,12 @@ pub struct Choice {
 /// What was chosen on each ray.
 pub fn line_among<T: Grey>(plane: &Plane<T>, rays: &Rays, candidates: &Candidates, width: f64) -> Vec<Choice> {
     let laser = laser_light(plane, rays, candidates, width);
-    let (chains, number) = link(candidates, &laser, rays);
+    let slack = slack_of(width);
+    let (chains, number) = link(candidates, &laser, rays, slack);
     let may = |&c: &usize| is_long(&chains[c], rays.stride) || (chains[c].torn && chains[c].members > 0);
     let may: Vec<usize> = (0..chains.len()).filter(may).collect();
     let light = if may.len() > 1 { light_of(candidates, &number, chains.len(), rays.stride) } else { vec![1.0; chains.len()] };
-    let confidence = confidences(&chains, &light, &most(may, &light), rays);
+    let confidence = confidences(&chains, &light, &most(may, &light), (rays, slack));
     let seen = Seen { candidates, number, confidence, long: chains.iter().map(|chain| is_long(chain, rays.stride)).collect() };
     (0..candidates.rays()).map(|ray| seen.on(ray)).collect()
 }
@@ -71,13 +72,13 @@ fn most(mut may: Vec<usize>, light: &[f64]) -> Vec<usize> {
 }
 
 /// Confidence of every chain, below 0 of those beside the path.
-fn confidences(chains: &[Chain], light: &[f64], kept: &[usize], rays: &Rays) -> Vec<f64> {
+fn confidences(chains: &[Chain], light: &[f64], kept: &[usize], (rays, slack): (&Rays, f64)) -> Vec<f64> {
     let mut confidence = vec![BESIDE; chains.len()];
     if kept.is_empty() {
         return confidence;
     }
     let (some, own): (Vec<&Chain>, Vec<f64>) = kept.iter().map(|&c| (&chains[c], light[c])).unzip();
-    let path = best_path(&some, &own, rays);
+    let path = best_path(&some, &own, rays, slack);
     for c in connected(&path.members, &some, rays) {
         let length = (some[c].members * rays.stride) as f64;
         confidence[kept[c]] = (path.gain[c] / own[c]).clamp(0.0, 1.0) * (length / (length + SHORTEST as f64));

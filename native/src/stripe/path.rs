@@ -1,6 +1,6 @@
 //! The path of the wall round the ring: the sequence of whole chains that explains most of the light (see the Python module `_path`).
 
-use super::chain::{Chain, LONGEST_GAP, SLACK, STEEPEST};
+use super::chain::{Chain, LONGEST_GAP, STEEPEST};
 use super::rays::Rays;
 
 const JUMP: f64 = 8.0;
@@ -18,7 +18,7 @@ pub struct Path {
 }
 
 /// The wall among the `chains`, each of which holds `light`.
-pub fn best_path(chains: &[&Chain], light: &[f64], rays: &Rays) -> Path {
+pub fn best_path(chains: &[&Chain], light: &[f64], rays: &Rays, slack: f64) -> Path {
     let count = chains.len();
     if count == 1 {
         return Path { members: vec![0], gain: vec![light[0]] };
@@ -31,7 +31,7 @@ pub fn best_path(chains: &[&Chain], light: &[f64], rays: &Rays) -> Path {
         light.push(0.0);
         head.push(-1);
     }
-    let cost = Costs::between(chains, light.len(), rays);
+    let cost = Costs::between(chains, light.len(), (rays, slack));
     let (mut best, mut members, mut without) = (0.0, Vec::new(), vec![0.0f64; light.len()]);
     let mut order: Vec<usize> = Vec::with_capacity(light.len());
     for first in firsts {
@@ -71,11 +71,11 @@ struct Costs {
 }
 
 impl Costs {
-    fn between(chains: &[&Chain], count: usize, rays: &Rays) -> Costs {
+    fn between(chains: &[&Chain], count: usize, (rays, slack): (&Rays, f64)) -> Costs {
         let mut cost = vec![0.0; count * count];
         for (i, a) in chains.iter().enumerate() {
             for (j, b) in chains.iter().enumerate() {
-                cost[i * count + j] = cost_of(a, b, rays);
+                cost[i * count + j] = cost_of(a, b, rays, slack);
             }
         }
         Costs { cost, count }
@@ -86,7 +86,7 @@ impl Costs {
     }
 }
 
-fn cost_of(a: &Chain, b: &Chain, rays: &Rays) -> f64 {
+fn cost_of(a: &Chain, b: &Chain, rays: &Rays, slack: f64) -> f64 {
     let steps = steps_between(a, b, rays);
     if steps + b.tail.0 - b.head.0 <= 0 || (!rays.closed && b.head.0 <= a.head.0) {
         return f64::INFINITY;
@@ -96,7 +96,7 @@ fn cost_of(a: &Chain, b: &Chain, rays: &Rays) -> f64 {
         return JUMP + shared + (shared - EDGE).max(0.0);
     }
     let near = steps.min(LONGEST_GAP + 1);
-    if (b.head.1 - a.tail.1).abs() <= SLACK + rays.spacing * (STEEPEST * near as f64 + WANDER * (steps - near) as f64) {
+    if (b.head.1 - a.tail.1).abs() <= slack + rays.spacing * (STEEPEST * near as f64 + WANDER * (steps - near) as f64) {
         return 0.0;
     }
     JUMP + GAP_JUMP * ((steps - 1) as f64 * rays.stride as f64).min(LONGEST_COUNTED)

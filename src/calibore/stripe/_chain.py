@@ -7,6 +7,7 @@ begin, and what belongs together is decided by the whole ring (`_path`).
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 STEEPEST = 2.0
 """Pixels along the ray per pixel across it."""
-SLACK = 1.0
-"""Pixels a peak may jump besides, for its noise."""
+SLACK, LOOSE = 1.0, 0.8
+"""Pixels a peak may jump besides, for its noise, or line widths: speckle breaks a wide line into grains, any of which
+may be the brightest place of its ray."""
 LONGEST_GAP = 3
 """Rays."""
 SHORTEST = 10
@@ -42,24 +44,26 @@ class Chain:
 
 
 def link(
-    position: Array, height: Array, *, spacing: float, closed: bool, stride: int = 1
+    position: Array, height: Array, *, spacing: float, closed: bool, stride: int = 1, slack: float = SLACK
 ) -> tuple[list[Chain], NDArray[np.intp]]:
     """Chains, and which of them each candidate (n, k) belongs to, -1 where `position` [px] is NaN.
 
-    Candidates stand highest first in their row. `spacing` [px] of the rays, each of which stands for `stride`.
+    Candidates stand highest first in their row. `spacing` [px] of the rays, each of which stands for `stride`; `slack`
+    [px] that a peak may jump for its noise.
     """
+    room = Room(slack, spacing)
     number = np.full(position.shape, -1, dtype=np.intp)
     chains: list[Chain] = []
     active: list[int] = []
     for ray, row in enumerate(position):
         active = [c for c in active if ray - chains[c].tail[0] <= LONGEST_GAP + 1]
         places = [(k, float(place)) for k, place in enumerate(row) if np.isfinite(place)]
-        torn = _torn(chains, active, ray, [(place, height[ray, k]) for k, place in places], spacing, stride)
+        torn = _torn(chains, active, ray, [(place, height[ray, k]) for k, place in places], room, stride)
         for c in torn:
             chains[c].torn = True
         active = [c for c in active if c not in torn]
         for k, place in places:
-            c = _nearest(chains, active, ray, place, spacing)
+            c = _nearest(chains, active, ray, place, room)
             if c is None:
                 c = len(chains)
                 chains.append(Chain((ray, place), (ray, place), 0, bool(torn)))
@@ -67,22 +71,31 @@ def link(
             chains[c].tail = (ray, place)
             chains[c].members += 1
             number[ray, k] = c
-    return _joined(chains, number, len(position), spacing) if closed else (chains, number)
+    return _joined(chains, number, len(position), room) if closed else (chains, number)
 
 
-def allowed(spacing: float, steps: int) -> float:
-    """How far [px] a line may move along the ray over so many rays."""
-    return SLACK + STEEPEST * spacing * steps
+def slack_of(width: float) -> float:
+    """How far [px] a peak of a line of `width` [px] may jump for its noise."""
+    return max(SLACK, LOOSE * width)
 
 
-def _torn(
-    chains: list[Chain], active: list[int], ray: int, peaks: list[Peak], spacing: float, stride: int
-) -> list[int]:
+class Room(NamedTuple):
+    """How far a line may move along its rays: for its noise, and per ray that lies `spacing` [px] from the next."""
+
+    slack: float
+    spacing: float
+
+    def over(self, steps: int) -> float:
+        """Over so many rays [px]."""
+        return self.slack + STEEPEST * self.spacing * steps
+
+
+def _torn(chains: list[Chain], active: list[int], ray: int, peaks: list[Peak], room: Room, stride: int) -> list[int]:
     """Chains long enough for a line that meet on `ray`, or part; `peaks` of its candidates, highest first."""
     if len(active) + len(peaks) < 3:
         return []
     long = [c for c in active if chains[c].members * stride >= SHORTEST]
-    claims = {c: [p for p in peaks if abs(p[0] - chains[c].tail[1]) <= _reach(chains[c], ray, spacing)] for c in long}
+    claims = {c: [p for p in peaks if abs(p[0] - chains[c].tail[1]) <= _reach(chains[c], ray, room)] for c in long}
     met = {c for c in long for d in long if c != d and any(p in claims[d] for p in claims[c])}
     return [c for c in long if c in met or _part(claims[c])]
 
@@ -92,22 +105,22 @@ def _part(peaks: list[Peak]) -> bool:
     return len(peaks) > 1 and peaks[1][1] >= SLIGHT * peaks[0][1]
 
 
-def _reach(chain: Chain, ray: int, spacing: float) -> float:
-    return allowed(spacing, ray - chain.tail[0])
+def _reach(chain: Chain, ray: int, room: Room) -> float:
+    return room.over(ray - chain.tail[0])
 
 
-def _nearest(chains: list[Chain], active: list[int], ray: int, place: float, spacing: float) -> int | None:
+def _nearest(chains: list[Chain], active: list[int], ray: int, place: float, room: Room) -> int | None:
     """The active chain whose tail a candidate continues best."""
     best, answer = np.inf, None
     for c in active:
         jump = abs(place - chains[c].tail[1])
-        if chains[c].tail[0] < ray and jump <= _reach(chains[c], ray, spacing) and jump < best:
+        if chains[c].tail[0] < ray and jump <= _reach(chains[c], ray, room) and jump < best:
             best, answer = jump, c
     return answer
 
 
 def _joined(
-    chains: list[Chain], number: NDArray[np.intp], rays: int, spacing: float
+    chains: list[Chain], number: NDArray[np.intp], rays: int, room: Room
 ) -> tuple[list[Chain], NDArray[np.intp]]:
     """Chains that meet where a closed scan begins and ends made one: each ending one with the first that goes on."""
     name = np.arange(len(chains) + 1)
@@ -119,7 +132,7 @@ def _joined(
         for d, beginning in enumerate(chains):
             steps = beginning.head[0] + rays - ending.tail[0]
             jump = abs(ending.tail[1] - beginning.head[1])
-            if d == c or d in taken or steps > LONGEST_GAP + 1 or jump > allowed(spacing, steps):
+            if d == c or d in taken or steps > LONGEST_GAP + 1 or jump > room.over(steps):
                 continue
             beginning.head = (ending.head[0] - rays, ending.head[1])
             beginning.members += ending.members

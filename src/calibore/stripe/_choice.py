@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.status import Status
-from calibore.stripe._chain import LONGEST_GAP, SHORTEST, SLIGHT, Chain, link
+from calibore.stripe._chain import LONGEST_GAP, SHORTEST, SLACK, SLIGHT, Chain, link
 from calibore.stripe._path import MOST_CHAINS, best_path, steps_between
 
 Array = NDArray[np.float64]
@@ -36,20 +36,28 @@ class Choice(NamedTuple):
 
 
 def choose(
-    position: Array, height: Array, laser: NDArray[np.bool_], *, spacing: float, closed: bool, stride: int = 1
+    position: Array,
+    height: Array,
+    laser: NDArray[np.bool_],
+    *,
+    spacing: float,
+    closed: bool,
+    stride: int = 1,
+    slack: float = SLACK,
 ) -> Choice:
     """The line among candidates at `position` [px] of `height`, highest first, (n, k) each, NaN where there is none;
-    `laser`: which look like its light. Rays lie `spacing` [px] apart, each one for `stride`.
+    `laser`: which look like its light. Rays lie `spacing` [px] apart, each one for `stride`; `slack` see `link`.
     """
     place = np.where(laser, position, np.nan)
-    chains, number = link(place, height, spacing=spacing, closed=closed, stride=stride)
+    chains, number = link(place, height, spacing=spacing, closed=closed, stride=stride, slack=slack)
     light = _light_of(height, number, len(chains)) * stride
     long = np.array([chain.members * stride >= SHORTEST for chain in chains], dtype=bool)
     kept = _most(light, long | np.array([chain.torn and chain.members > 0 for chain in chains], dtype=bool))
     some = [chains[c] for c in kept]
-    path = best_path(some, light[kept], rays=len(position), spacing=spacing, closed=closed, stride=stride)
+    how: dict[str, Any] = {"rays": len(position), "closed": closed, "stride": stride}
+    path = best_path(some, light[kept], spacing=spacing, slack=slack, **how)
     confidence = np.full(len(chains) + 1, -1.0)
-    for c in _connected(path.members, some, rays=len(position), closed=closed, stride=stride):
+    for c in _connected(path.members, some, **how):
         length = float(some[c].members * stride)
         confidence[kept[c]] = np.clip(path.gain[c] / light[kept[c]], 0.0, 1.0) * (length / (length + SHORTEST))
     return _stated(height, number, np.append(long, False), confidence, np.isfinite(position))

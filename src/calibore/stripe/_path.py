@@ -41,12 +41,21 @@ class Path(NamedTuple):
     gain: Array
 
 
-def best_path(chains: Sequence[Chain], light: Array, *, rays: int, spacing: float, closed: bool, stride: int) -> Path:
+def best_path(
+    chains: Sequence[Chain],
+    light: Array,
+    *,
+    rays: int,
+    spacing: float,
+    closed: bool,
+    stride: int,
+    slack: float = SLACK,
+) -> Path:
     """The wall among the `chains`, each of which holds `light` (m,); `rays` of this scan, each one for `stride`, lie
-    `spacing` [px] apart.
+    `spacing` [px] apart; `slack` see `link`.
     """
     count = len(chains)
-    how: dict[str, Any] = {"rays": rays, "spacing": spacing, "closed": closed, "stride": stride}
+    how: dict[str, Any] = {"rays": rays, "spacing": spacing, "closed": closed, "stride": stride, "slack": slack}
     cost = np.array([_cost(a, b, **how) for a in chains for b in chains]).reshape(count, count)
     head = np.array([chain.head[0] for chain in chains], dtype=np.intp)
     if not closed:
@@ -70,7 +79,7 @@ def steps_between(a: Chain, b: Chain, *, rays: int, closed: bool) -> int:
     return ahead - (a.tail[0] - a.head[0])
 
 
-def _cost(a: Chain, b: Chain, *, rays: int, spacing: float, stride: int, closed: bool) -> float:
+def _cost(a: Chain, b: Chain, *, rays: int, spacing: float, stride: int, closed: bool, slack: float = SLACK) -> float:
     """What it costs that `b` follows `a`; infinite where it cannot."""
     steps = steps_between(a, b, rays=rays, closed=closed)
     if steps + b.tail[0] - b.head[0] <= 0 or (not closed and b.head[0] <= a.head[0]):
@@ -79,7 +88,7 @@ def _cost(a: Chain, b: Chain, *, rays: int, spacing: float, stride: int, closed:
         shared = (1.0 - steps) * stride
         return JUMP + shared + max(0.0, shared - EDGE)
     near = min(steps, LONGEST_GAP + 1)
-    if abs(b.head[1] - a.tail[1]) <= SLACK + spacing * (STEEPEST * near + WANDER * (steps - near)):
+    if abs(b.head[1] - a.tail[1]) <= slack + spacing * (STEEPEST * near + WANDER * (steps - near)):
         return 0.0
     return JUMP + GAP_JUMP * min((steps - 1.0) * stride, LONGEST_COUNTED)
 

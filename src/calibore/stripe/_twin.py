@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from calibore.errors import ImageError, InputError
 from calibore.status import Status
 from calibore.stripe._centre import ring_centre
+from calibore.stripe._chain import slack_of
 from calibore.stripe._choice import choose
 from calibore.stripe._estimators import Estimator, Peaks, ScanSettings
 from calibore.stripe._guide import COARSE, LEAST_MARGIN, guided_spans
@@ -141,8 +142,8 @@ class Sight:
 def _sight(picture: Picture, rays: Rays, peaks: Peaks, width: float) -> Sight:
     """The line of `width` [px] among `peaks` along `rays`."""
     laser = laser_light(picture, rays, peaks, width)
-    along = {"spacing": rays.spacing, "closed": rays.closed, "stride": rays.stride}
-    return Sight(rays, peaks, *choose(peaks.position, peaks.height, laser, **along))
+    along: dict[str, Any] = {"spacing": rays.spacing, "closed": rays.closed, "stride": rays.stride}
+    return Sight(rays, peaks, *choose(peaks.position, peaks.height, laser, slack=slack_of(width), **along))
 
 
 def _centre(sight: Sight, counted: NDArray[np.bool_]) -> tuple[float, float]:
