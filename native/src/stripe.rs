@@ -40,6 +40,7 @@ mod row;
 mod sampling;
 mod scan;
 mod scatter;
+mod second;
 mod settings;
 mod settle;
 mod smear;

@@ -133,3 +133,29 @@ fn within(ray: usize, reach: usize, count: usize, closed: bool) -> impl Iterator
     let (ray, reach, count) = (ray as i64, reach as i64, count as i64);
     (ray - reach..=ray + reach).filter(move |near| closed || (0..count).contains(near)).map(move |near| near.rem_euclid(count) as usize)
 }
+
+impl Windows {
+    /// The same samples where the line is `height`, without those that are clipped.
+    pub fn raised(&self, height: &[f64]) -> Windows {
+        self.again(height, |_, missing| missing)
+    }
+
+    /// The same samples with those that are clipped, but without those up to `flank` from the standpoint.
+    pub fn beyond(&self, height: &[f64], flank: &[f64]) -> Windows {
+        self.again(height, |ray, missing| {
+            let near = (0..self.count).filter(|&k| (self.offset(k) + self.fraction[ray]).abs() <= flank[ray]);
+            near.fold(missing & !self.white_bits[ray], |missing, k| missing | 1 << k)
+        })
+    }
+
+    /// The same samples where the line is `height`, without the `missing` ones of each ray.
+    fn again(&self, height: &[f64], missing: impl Fn(usize, u32) -> u32) -> Windows {
+        let mut again = self.clone();
+        let before = again.forget_patterns();
+        for (ray, height) in height.iter().enumerate() {
+            let missing = missing(ray, before[self.pattern[ray]].missing);
+            again.pattern[ray] = again.pattern_of(self.fraction[ray], *height, missing);
+        }
+        again
+    }
+}

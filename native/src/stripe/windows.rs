@@ -53,7 +53,7 @@ pub struct Windows {
     /// How far from the standpoint the farthest clipped sample of each ray is; -1 where none is.
     pub clipped: Vec<f64>,
     /// Which are, one bit each.
-    white_bits: Vec<u32>,
+    pub white_bits: Vec<u32>,
     /// Which rays may have clipped samples, none where no ray has; and from which brightness on they are.
     pub bright: Option<Vec<bool>>,
     white: f64,
@@ -138,15 +138,20 @@ impl Windows {
         let mut rays: Vec<usize> = (0..levels.len()).filter(|&ray| start[ray].is_finite()).collect();
         // patterns of one width together
         rays.sort_by_key(|&ray| levels[ray]);
-        let before = std::mem::take(&mut self.patterns);
-        self.known.clear();
-        self.last = [UNKNOWN; PHASES as usize + 1];
+        let before = self.forget_patterns();
         self.levels = levels.to_vec();
         for ray in rays {
             let missing = before[self.pattern[ray]].missing;
             self.turn_to(ray);
             self.pattern[ray] = self.pattern_of(self.fraction[ray], height[ray], missing);
         }
+    }
+
+    /// The patterns until now, for which others are to come.
+    pub fn forget_patterns(&mut self) -> Vec<Pattern> {
+        self.known.clear();
+        self.last = [UNKNOWN; PHASES as usize + 1];
+        std::mem::take(&mut self.patterns)
     }
 
     /// Has the next patterns those of a line as wide as that of `ray`.
@@ -195,29 +200,6 @@ impl Windows {
         }
     }
 
-    /// The same samples where the line is `height`, without those that are clipped.
-    pub fn raised(&self, height: &[f64]) -> Windows {
-        self.again(height, |_, missing| missing)
-    }
-
-    /// The same samples with those that are clipped, but without those up to `flank` from the standpoint.
-    pub fn beyond(&self, height: &[f64], flank: &[f64]) -> Windows {
-        self.again(height, |ray, missing| {
-            let near = (0..self.count).filter(|&k| (self.offset(k) + self.fraction[ray]).abs() <= flank[ray]);
-            near.fold(missing & !self.white_bits[ray], |missing, k| missing | 1 << k)
-        })
-    }
-
-    /// The same samples where the line is `height`, without the `missing` ones of each ray.
-    fn again(&self, height: &[f64], missing: impl Fn(usize, u32) -> u32) -> Windows {
-        let mut again = Windows { patterns: Vec::new(), known: HashMap::new(), last: [UNKNOWN; PHASES as usize + 1], ..self.clone() };
-        for (ray, height) in height.iter().enumerate() {
-            let missing = missing(ray, self.patterns[self.pattern[ray]].missing);
-            again.pattern[ray] = again.pattern_of(self.fraction[ray], *height, missing);
-        }
-        again
-    }
-
     /// Notes the means of the groups of the window; which of them are missing, one bit each.
     fn grouped(&mut self, number: usize) -> u32 {
         let group = self.window.len() / self.count;
@@ -229,7 +211,7 @@ impl Windows {
         take(&mut self.values[number * self.row..][..self.count], &means[..self.count])
     }
 
-    fn pattern_of(&mut self, fraction: f64, height: f64, missing: u32) -> usize {
+    pub fn pattern_of(&mut self, fraction: f64, height: f64, missing: u32) -> usize {
         // the power of two nearest on a scale of logarithms: sqrt(2) times as high as one is nearer to the next
         let scaled = height.max(f64::MIN_POSITIVE) * std::f64::consts::SQRT_2;
         let (phase, level) = ((fraction * PHASES) as i16, ((scaled.to_bits() >> 52) & 0x7ff) as i16 - 1023);
