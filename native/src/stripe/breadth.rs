@@ -49,7 +49,9 @@ fn mean_width(windows: &Windows, stand: &Standpoint, counted: &[usize], first: f
     for &ray in counted {
         add(&mut sums[windows.pattern[ray]], windows.of(ray), stand.height[ray]);
     }
-    (counted.len() as f64 >= FEWEST).then(|| fitted(windows, (&windows.patterns, &sums), first, STEPS))
+    let known = windows.patterns.iter().zip(sums).filter(|(_, (_, count))| *count > 0.0);
+    let (patterns, sums): (Vec<Pattern>, Vec<Sum>) = known.map(|(pattern, sum)| (pattern.clone(), sum)).unzip();
+    (counted.len() as f64 >= FEWEST).then(|| fitted(windows, (&patterns, &sums), first, STEPS))
 }
 
 #[inline(always)]

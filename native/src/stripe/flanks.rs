@@ -10,6 +10,7 @@ use super::windows::{Windows, PHASES};
 
 const OFTEN: f64 = 0.2;
 const ROUNDS: usize = 6;
+const SETTLED: f64 = 1e-3;
 const UNSMEARED: usize = 2;
 const MOST: f64 = 2.5;
 const HIGHEST: f64 = 64.0;
@@ -40,14 +41,17 @@ impl Flanks {
             return flanks;
         }
         stand.height = flanks.heights(stand, &usual, (reach, rays.closed));
-        for round in 0..ROUNDS {
-            if round >= ROUNDS - UNSMEARED {
-                let windows = windows.clone().unsmeared(rays, &hidden, &stand.height, flanks.noise.width);
-                flanks.windows = windows.beyond(&usual, &flanks.flank);
-            }
-            let learnt = breadth(&flanks.windows, stand, every, flanks.noise);
-            flanks.noise = Noise { width: learnt.width.clamp(width / MOST, width * MOST), ..learnt };
+        let round = |flanks: &mut Flanks, stand: &mut Standpoint| {
+            let before = flanks.noise.width;
+            flanks.noise.width = breadth(&flanks.windows, stand, every, flanks.noise.clone()).width.clamp(width / MOST, width * MOST);
             stand.height = flanks.heights(stand, &usual, (reach, rays.closed));
+            (flanks.noise.width - before).abs() <= SETTLED * before
+        };
+        (0..ROUNDS).any(|_| round(&mut flanks, stand));
+        for _ in 0..if rays.closed { UNSMEARED } else { 0 } {
+            let windows = windows.clone().unsmeared(rays, &hidden, &stand.height, flanks.noise.width);
+            flanks.windows = windows.beyond(&usual, &flanks.flank);
+            round(&mut flanks, stand);
         }
         let both = hidden.iter().zip(&stand.calm).filter(|(hidden, calm)| **hidden && **calm).count();
         if both as f64 > SEEN * stand.calm.iter().filter(|calm| **calm).count() as f64 {
@@ -98,9 +102,12 @@ impl Flanks {
                 (0..windows.count).for_each(|k| bell[k] = (inverse * (windows.offset(k) + windows.fraction[ray]).powi(2)).exp());
             }
             let missing = windows.patterns[windows.pattern[ray]].missing;
-            for (k, value) in windows.of(ray).iter().enumerate().take(windows.count).filter(|(k, _)| missing >> k & 1 == 0) {
-                let parts = [1.0, bell[k], bell[k] * bell[k], *value, bell[k] * value];
-                sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+            for (k, (value, bell)) in windows.of(ray).iter().zip(bell).enumerate().take(windows.count) {
+                let known = f64::from(!missing >> k & 1);
+                let (seen, value) = (known * *bell, known * value);
+                for (sum, part) in sums.iter_mut().zip([known, seen, seen * seen, value, seen * value]) {
+                    *sum += part;
+                }
             }
             sums
         };
@@ -112,26 +119,30 @@ impl Flanks {
 fn often(values: &[f64], reach: usize, closed: bool) -> Vec<f64> {
     let (count, far, rank) = (values.len() as i64, reach as i64, ((1.0 - OFTEN) * (2 * reach) as f64) as usize);
     let at = |near: i64| values[if closed { near.rem_euclid(count) } else { near.clamp(0, count - 1) } as usize];
-    let about = |ray: i64| *(ray - far..=ray + far).map(at).collect::<Vec<f64>>().select_nth_unstable_by(rank, f64::total_cmp).1;
-    (0..count).map(about).collect()
+    let mut some = Vec::with_capacity(2 * reach + 1);
+    let mut about = |ray: i64| {
+        some.clear();
+        some.extend((ray - far..=ray + far).map(at));
+        // the usual ray has few clipped ones nearby
+        match some.iter().filter(|value| **value >= 0.0).count() + rank > 2 * reach {
+            true => *some.select_nth_unstable_by(rank, f64::total_cmp).1,
+            false => -1.0,
+        }
+    };
+    (0..count).map(&mut about).collect()
 }
 
 /// Sums of the `values` within `reach` of each.
 fn near(values: &[[f64; 5]], reach: usize, closed: bool) -> Vec<[f64; 5]> {
-    let about = |ray: usize| {
-        let mut sums = [0.0; 5];
-        for near in within(ray, reach, values.len(), closed) {
-            sums.iter_mut().zip(values[near]).for_each(|(sum, value)| *sum += value);
-        }
-        sums
-    };
-    (0..values.len()).map(about).collect()
-}
-
-/// The rays within `reach` of a `ray` of `count`, round a closed ring.
-fn within(ray: usize, reach: usize, count: usize, closed: bool) -> impl Iterator<Item = usize> {
-    let (ray, reach, count) = (ray as i64, reach as i64, count as i64);
-    (ray - reach..=ray + reach).filter(move |near| closed || (0..count).contains(near)).map(move |near| near.rem_euclid(count) as usize)
+    let (count, nothing) = (values.len(), [0.0; 5]);
+    let beside = |side: &[[f64; 5]]| if closed { side.to_vec() } else { vec![nothing; reach] };
+    let around = [beside(&values[count - reach..]), values.to_vec(), beside(&values[..reach])].concat();
+    let mut until = vec![nothing];
+    for value in around {
+        let before = until[until.len() - 1];
+        until.push(std::array::from_fn(|k| before[k] + value[k]));
+    }
+    until.iter().zip(&until[2 * reach + 1..]).map(|(before, until)| std::array::from_fn(|k| until[k] - before[k])).collect()
 }
 
 impl Windows {

@@ -1,12 +1,13 @@
 //! Lines brighter than the picture can show: which samples are clipped, and where a plateau has its middle (see the Python module `_plateau`).
 
 use super::neighbours::reach_of;
-use super::rays::Rays;
+use super::rays::{Ray, Rays};
 use super::sampling::{Grey, Plane};
 use super::settings::Settings;
 use super::settle::Found;
 use super::statistics::floor;
 use super::walk::GROUP;
+use super::windows::Windows;
 
 const FEW: f64 = 0.05;
 const NEARBY: f64 = 24.0;
@@ -99,5 +100,27 @@ impl<T: Grey> Plane<'_, T> {
                 value >= white
             })
         })
+    }
+}
+
+impl Windows {
+    pub fn is_bright(&self, number: usize) -> bool {
+        self.bright.as_ref().is_some_and(|bright| bright[number])
+    }
+
+    /// Notes which samples of the window from `low` on, looked at from `start`, are clipped.
+    pub fn note_clipped<T: Grey>(&mut self, plane: &Plane<T>, ray: &Ray, (low, start): (i64, f64), number: usize) {
+        (self.white_bits[number], self.clipped[number]) = (0, -1.0);
+        if !self.is_bright(number) {
+            return;
+        }
+        let (track, group) = (ray.track(), self.window.len() / self.count);
+        let fraction = floor(start + 0.5) as f64 - start;
+        for k in 0..self.window.len() {
+            if !self.window[k].is_nan() && plane.is_clipped(track.at((low + k as i64) as usize), self.white) {
+                self.white_bits[number] |= 1 << (k / group);
+                self.clipped[number] = self.clipped[number].max((self.offset(k / group) + fraction).abs());
+            }
+        }
     }
 }

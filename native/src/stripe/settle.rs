@@ -45,14 +45,16 @@ pub fn settle<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings:
 }
 
 fn settled<T: Grey>(plane: &Plane<T>, rays: &Rays, mut line: Found, settings: &Settings) -> Noise {
-    let mut first = look(plane, rays, &line, line.position, settings, (REACH, None));
+    let mut store = None;
+    let mut first = look((plane, &mut store), rays, &line, line.position, settings, (REACH, None));
     if first.hidden.contains(&true) {
         // flanks tell much from places that are all a little off
-        first = look(plane, rays, &line, &first.better(&line), settings, (REACH, None));
+        first = look((plane, &mut store), rays, &line, &first.better(&line), settings, (REACH, None));
     }
     // from better places they are better still
     let (known, told) = (first.better(&line), first.rough <= ROUGH * first.noise.width);
-    let Look { place: settled, u, calm, hidden, noise, .. } = look(plane, rays, &line, &known, settings, (NEAR, told.then_some(first)));
+    let Look { place: settled, u, calm, hidden, noise, .. } =
+        look((plane, &mut store), rays, &line, &known, settings, (NEAR, told.then_some(first)));
     let Anchor { aside, astray } = anchor(line.position, (&settled, &u), &calm, &hidden, (noise.width, rays.spacing));
     let left = Settings { noise: noise.clone(), ..settings.clone() };
     let stays = |ray: usize| settled[ray].is_nan();
@@ -88,9 +90,9 @@ impl Look {
 }
 
 /// The line looked at from where the neighbours of each ray say that it is, as far as places are `known`; what holds for all of it is as `before`,
-/// or learnt.
+/// or learnt; the windows of the look before are used again.
 fn look<T: Grey>(
-    plane: &Plane<T>,
+    (plane, store): (&Plane<T>, &mut Option<Windows>),
     rays: &Rays,
     line: &Found,
     known: &[f64],
@@ -107,7 +109,8 @@ fn look<T: Grey>(
     let width = told.as_ref().map_or(settings.noise.width, |(noise, ..)| noise.width);
     let mut stand = standpoints((known, height), line, (reach * width, rays.spacing), rays.closed);
     stand.start.iter_mut().for_each(|start| *start = standing(*start));
-    let mut windows = Windows::about(plane, rays, line, (&stand.start, &stand.height), settings);
+    let mut windows = store.take().unwrap_or_else(|| Windows::new(rays, line, settings));
+    windows.about(plane, rays, line, (&stand.start, &stand.height), settings.side() as i64);
     let every = (known.len() / ENOUGH).max(1);
     let longest = LONGEST_STEP.max(FARTHEST * width);
     let (learnt, mut flanks) = (told.is_none(), None);
@@ -160,5 +163,6 @@ fn look<T: Grey>(
     let place = |ray: usize| if kept(ray) { stand.start[ray] + moved[ray] / response } else { f64::NAN };
     let place = (0..moved.len()).map(place).collect();
     u.iter_mut().for_each(|u| *u /= response);
+    *store = Some(windows);
     Look { place, u, calm: stand.calm, hidden, noise, rough: stand.rough, height: stand.height, response, levels }
 }

@@ -49,6 +49,8 @@ pub struct Windows {
     /// By rows; 0 where they are missing, but for clipped ones.
     values: Vec<f64>,
     row: usize,
+    /// Sample in the middle of each ray's window, and which are missing.
+    taken: Vec<(i64, u32)>,
     samples: usize,
     /// How far from the standpoint the farthest clipped sample of each ray is; -1 where none is.
     pub clipped: Vec<f64>,
@@ -56,10 +58,10 @@ pub struct Windows {
     pub white_bits: Vec<u32>,
     /// Which rays may have clipped samples, none where no ray has; and from which brightness on they are.
     pub bright: Option<Vec<bool>>,
-    white: f64,
+    pub white: f64,
     /// Memory for the samples of one ray at their places and a group behind them, and for those of its window.
     line: Vec<f64>,
-    window: Vec<f64>,
+    pub window: Vec<f64>,
 }
 
 /// `start` moved to the nearest place where rays may be looked at from.
@@ -72,12 +74,12 @@ pub fn standing(start: f64) -> f64 {
 }
 
 impl Windows {
-    /// Of the rays of `line` that have a `start`.
-    pub fn about<T: Grey>(plane: &Plane<T>, rays: &Rays, line: &Found, (start, height): (&[f64], &[f64]), settings: &Settings) -> Windows {
-        let (group, number) = (settings.group(), start.len());
+    /// Of the rays of `line`, none of which is looked at yet.
+    pub fn new(rays: &Rays, line: &Found, settings: &Settings) -> Windows {
+        let (group, number) = (settings.group(), rays.rays.len());
         let count = 2 * (settings.half_fit() / group) + 1;
         let row = count.next_multiple_of(FOUR);
-        let mut windows = Windows {
+        Windows {
             count,
             apart: group as f64,
             fraction: vec![0.0; number],
@@ -90,6 +92,7 @@ impl Windows {
             last: [UNKNOWN; PHASES as usize + 1],
             values: vec![0.0; row * number],
             row,
+            taken: vec![(i64::MIN, 0); number],
             samples: rays.samples,
             clipped: vec![-1.0; number],
             white_bits: vec![0; number],
@@ -97,12 +100,18 @@ impl Windows {
             white: settings.saturated_from(),
             line: vec![f64::NAN; rays.samples + GROUP],
             window: vec![f64::NAN; count * group],
-        };
-        for (number, ray) in rays.rays.iter().enumerate().filter(|(number, _)| start[*number].is_finite()) {
-            let known = (floor(line.position[number] + 0.5) - settings.side() as i64, line.samples[number]);
-            windows.look(plane, (ray, known), number, (start[number], height[number]));
         }
-        windows
+    }
+
+    /// Looks at the rays of `line` that have a `start`, as if for the first time.
+    pub fn about<T: Grey>(&mut self, plane: &Plane<T>, rays: &Rays, line: &Found, (start, height): (&[f64], &[f64]), side: i64) {
+        self.forget_patterns();
+        self.pattern.fill(0);
+        (self.levels, self.level) = (Vec::new(), 0);
+        for (number, ray) in rays.rays.iter().enumerate().filter(|(number, _)| start[*number].is_finite()) {
+            let known = (floor(line.position[number] + 0.5) - side, line.samples[number]);
+            self.look(plane, (ray, known), number, (start[number], height[number]));
+        }
     }
 
     /// Takes the samples of a ray about `start`, where the line is `height`, from those `known` from a place on, else from the picture.
@@ -113,24 +122,30 @@ impl Windows {
         number: usize,
         (start, height): (f64, f64),
     ) {
-        let (middle, long) = (floor(start + 0.5), self.window.len());
-        let low = middle - (long / 2) as i64;
-        let from = usize::try_from(low - first).ok().and_then(|from| known.get(from..from + long));
-        let missing = match from {
-            Some(samples) if long == self.count && !self.is_bright(number) => take(&mut self.values[number * self.row..][..long], samples),
-            Some(samples) => {
-                self.window.copy_from_slice(samples);
-                self.note_clipped(plane, ray, (low, start), number);
-                self.grouped(number)
-            }
-            None => {
-                self.read(plane, ray, low);
-                self.note_clipped(plane, ray, (low, start), number);
-                self.grouped(number)
-            }
-        };
+        let middle = floor(start + 0.5);
+        let low = middle - (self.window.len() / 2) as i64;
+        // what is clipped counts by its distance from the standpoint
+        if self.bright.is_some() || self.taken[number].0 != middle {
+            let from = usize::try_from(low - first).ok().and_then(|from| known.get(from..from + self.window.len()));
+            self.taken[number] = (middle, self.take(plane, ray, from, number, (low, start)));
+        }
         (self.fraction[number], self.first[number]) = (middle as f64 - start, low);
-        self.pattern[number] = self.pattern_of(middle as f64 - start, height, missing | self.white_bits[number]);
+        let missing = self.taken[number].1 | self.white_bits[number];
+        self.pattern[number] = self.pattern_of(middle as f64 - start, height, missing);
+    }
+
+    /// Takes the samples of a ray from `low` on, if need be `from` the picture; which are missing, one bit each.
+    fn take<T: Grey>(&mut self, plane: &Plane<T>, ray: &Ray, from: Option<&[f64]>, number: usize, (low, start): (i64, f64)) -> u32 {
+        let long = self.window.len();
+        match from {
+            Some(samples) if long == self.count && !self.is_bright(number) => {
+                return take(&mut self.values[number * self.row..][..long], samples)
+            }
+            Some(samples) => self.window.copy_from_slice(samples),
+            None => self.read(plane, ray, low),
+        }
+        self.note_clipped(plane, ray, (low, start), number);
+        self.grouped(number)
     }
 
     /// Tells the rays that have a `start` by `levels` of width as well, none where it does not differ.
@@ -175,29 +190,9 @@ impl Windows {
         }
     }
 
-    fn is_bright(&self, number: usize) -> bool {
-        self.bright.as_ref().is_some_and(|bright| bright[number])
-    }
-
     /// Takes light away from a sample.
     pub fn darken(&mut self, ray: usize, sample: usize, light: f64) {
         self.values[ray * self.row + sample] -= light;
-    }
-
-    /// Notes which samples of the window from `low` on, looked at from `start`, are clipped.
-    fn note_clipped<T: Grey>(&mut self, plane: &Plane<T>, ray: &Ray, (low, start): (i64, f64), number: usize) {
-        (self.white_bits[number], self.clipped[number]) = (0, -1.0);
-        if !self.is_bright(number) {
-            return;
-        }
-        let (track, group) = (ray.track(), self.window.len() / self.count);
-        let fraction = floor(start + 0.5) as f64 - start;
-        for k in 0..self.window.len() {
-            if !self.window[k].is_nan() && plane.is_clipped(track.at((low + k as i64) as usize), self.white) {
-                self.white_bits[number] |= 1 << (k / group);
-                self.clipped[number] = self.clipped[number].max((self.offset(k / group) + fraction).abs());
-            }
-        }
     }
 
     /// Notes the means of the groups of the window; which of them are missing, one bit each.
@@ -242,6 +237,10 @@ impl Windows {
 
 /// Copies `samples`, 0 where they are unknown; which, one bit each.
 fn take(values: &mut [f64], samples: &[f64]) -> u32 {
+    if !samples.iter().fold(false, |unknown, sample| unknown | sample.is_nan()) {
+        values.copy_from_slice(samples);
+        return 0;
+    }
     let mut missing = 0;
     for (k, (value, &sample)) in values.iter_mut().zip(samples).enumerate() {
         let known = !sample.is_nan();

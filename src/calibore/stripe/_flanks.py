@@ -21,8 +21,10 @@ from calibore.stripe._windows import Windows
 Array = NDArray[np.float64]
 OFTEN = 0.2
 """On more than this share of the rays nearby."""
-ROUNDS, UNSMEARED = 6, 2
-"""Width and height depend on each other; what interpolating does depends on both, and matters last."""
+ROUNDS, SETTLED, UNSMEARED = 6, 1e-3, 2
+"""Width and height depend on each other: so many rounds at most, until the width changes by no more than this part;
+what interpolating does depends on both, and matters last.
+"""
 MOST = 2.5
 """The width is found within this factor."""
 HIGHEST = 64.0
@@ -66,12 +68,16 @@ def learn_flanks(
     if not hidden.any():
         width, widths = breadths(seen, stand, noise.width, every=every, closed=rays.closed)
         return replace(seen, width=widths), stand.height, replace(noise, width=width)
-    height = heights(seen, stand, flank, width, rays, within=within)
-    for number in range(ROUNDS):
-        if number >= ROUNDS - UNSMEARED:
+    height, settled = heights(seen, stand, flank, width, rays, within=within), False
+    for number in range(ROUNDS + UNSMEARED * rays.closed):
+        if number >= ROUNDS:
             seen = beyond(unsmeared(windows, rays, height, noise.width, hidden), flank)
+        elif settled:
+            continue
         learnt = breadth(seen, replace(stand, height=height), noise.width, every=every)
-        noise = replace(noise, width=float(np.clip(learnt, width / MOST, width * MOST)))
+        learnt = float(np.clip(learnt, width / MOST, width * MOST))
+        settled = abs(learnt - noise.width) <= SETTLED * noise.width
+        noise = replace(noise, width=learnt)
         height = heights(seen, stand, flank, noise.width, rays, within=within)
     if np.count_nonzero(hidden & stand.calm) > SEEN * np.count_nonzero(stand.calm):
         noise = replace(noise, contrast=MOST_CONTRAST)
