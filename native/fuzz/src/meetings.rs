@@ -10,6 +10,7 @@ const MOST: usize = 64 << 20;
 const LONGEST: Duration = Duration::from_secs(10);
 const STATUSES: u8 = 32;
 const OK: u8 = 0;
+const BEAM: u8 = 3;
 
 fn make(bytes: &mut Bytes) -> Makes {
     (bytes.byte() % 5, bytes.flag(), bytes.byte() % 6, bytes.number(384.0), bytes.flag())
@@ -66,13 +67,21 @@ pub fn measures(data: &[u8]) {
     for (at, status) in status.iter().enumerate() {
         assert!(*status < STATUSES);
         let radius = columns[at];
-        assert!(*status != OK || !radius.is_nan() || !possible(&rig), "point {at} is good and has no radius");
+        assert!(*status != OK || !radius.is_nan() || !possible(make, &rig), "point {at} is good and has no radius");
     }
 }
 
-/// Python lets no rig through whose numbers overflow where they are multiplied.
-fn possible(rig: &[f64]) -> bool {
-    rig.iter().all(|number| number.abs() <= 1e6)
+/// Python lets no rig through whose numbers overflow where they are multiplied, and no beam through the pupil.
+fn possible(make: Makes, rig: &[f64]) -> bool {
+    rig.iter().all(|number| number.abs() <= 1e6) && (make.0 != BEAM || from_pupil(rig) >= 1e-6)
+}
+
+/// How near the beam, from the point of the first three numbers, passes the origin.
+fn from_pupil(beam: &[f64]) -> f64 {
+    let ((sine, cosine), (across, ahead)) = (beam[4].sin_cos(), beam[3].sin_cos());
+    let light = [across * sine, -across * cosine, ahead];
+    let start: f64 = (0..3).map(|axis| beam[axis] * light[axis]).sum();
+    (0..3).map(|axis| (beam[axis] - start * light[axis]).powi(2)).sum::<f64>().sqrt()
 }
 
 pub fn draws(data: &[u8]) {

@@ -9,7 +9,7 @@ from calibore.errors import InputError
 
 Array = NDArray[np.float64]
 
-MOST = 1e6  # [m] beyond any pipe, and its square is still a number
+MOST = 1e6  # [m] or [rad] beyond any pipe, and its square is still a number
 LEAST_POWER = 0.02  # 1 + 2 sum of the autocorrelation
 
 
@@ -57,7 +57,8 @@ class RingShape:
 
     def _check_values(self) -> None:
         measured = self.measured
-        if not (np.isfinite(self.clock).all() and (np.diff(self.clock) > 0).all() and np.ptp(self.clock) < 2 * np.pi):
+        clock = self.clock
+        if not ((np.abs(clock) <= MOST).all() and (np.diff(clock) > 0).all() and np.ptp(clock) < 2 * np.pi):
             raise InputError("clock of a ring must increase and stay within one turn (2 pi rad); sort the points.")
         radius = self.radius[measured]
         if np.isinf(self.radius).any() or not ((radius >= 1 / MOST) & (radius <= MOST)).all():

@@ -15,7 +15,8 @@ ONE = 1 << 32
 """One pixel in 32.32 fixed point. Both kernels step along rays in it, so that they look at the same places exactly."""
 FARTHEST = 2.0**20
 """Largest coordinate or radius [px]: far beyond any image, and small enough for fixed point."""
-FEWEST_RAYS, MOST_RAYS = 16, 1 << 20
+FEWEST_RAYS, MOST_RAYS = 16, 1 << 16
+"""The most are a ray per pixel round a ring ten thousand pixels in radius."""
 
 
 @dataclass(frozen=True)

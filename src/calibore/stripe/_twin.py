@@ -34,6 +34,8 @@ FEWEST_TO_CENTRE = 8
 """Coarse rays on which the line must be seen to find its centre."""
 LEARNT = 192
 """Rays across a line, about as many as round a ring, that tell its noise and where to look on those between."""
+MOST_RAYS, MOST_SAMPLES = 1 << 14, 1 << 22
+"""Of a ring: half a gigabyte, as all are kept at once."""
 UNCLEAR = 0.5
 """Noise that asks peaks to be higher than this fraction of white leaves no room for a ring."""
 
@@ -58,8 +60,10 @@ class Annulus:
 def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided: bool = True) -> Stripe:
     """The ring in `picture`; not `guided`, every ray is scanned in full length. Raises ImageError without a ring.
 
-    Unwrap the annulus, find the line and its centre, start again from there until it rests.
+    Unwrap the annulus, find the line and its centre, start again from there until it rests. Raises InputError where
+    that would take too much memory.
     """
+    _check_size(ring.rays())
     ring, settings, coarse = _approach(picture, ring, estimator)
     recentrings = 0
     while True:
@@ -73,6 +77,14 @@ def ring_numpy(picture: Picture, ring: Annulus, estimator: Estimator, *, guided:
         if _distance(centre, ring.centre) < SETTLED or recentrings == MOST_RECENTRINGS:
             return replace(_measure(picture, sight, settings), centre=ring.centre)
         ring = replace(ring, centre=centre)
+
+
+def _check_size(rays: Rays) -> None:
+    if rays.count > MOST_RAYS or rays.count * rays.samples > MOST_SAMPLES:
+        raise InputError(
+            f"The NumPy kernel has memory for {MOST_RAYS} rays and {MOST_SAMPLES} samples, got {rays.count} rays "
+            f"of {rays.samples}; ask for fewer, for a narrower search region, or for the native kernel."
+        )
 
 
 def line_numpy(picture: Picture, estimator: Estimator, *, down: bool, guided: bool = True) -> Stripe:
