@@ -32,6 +32,7 @@ CALLS = {
         ({"laser": -1}, "none of number -1"),
         ({"branch": [0, 0, 7]}, "numbers 0 to 0"),
         ({"prior_radius": 0.0}, "positive"),
+        ({"prior_radius": 1e-320}, "positive"),  # radii over it overflowed
         ({"prior_radius": [0.1, 0.1, np.inf]}, "positive"),
         ({"v": [1.0, 2.0]}, "as many u as v"),
     ],

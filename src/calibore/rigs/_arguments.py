@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from calibore.errors import InputError
 from calibore.lasers import Cone
 from calibore.rigs._rig import Rig
+from calibore.units import LARGEST
 
 FAR_OUTSIDE = 1e9
 """px; as far from any picture as infinity, and still a number that can be squared."""
@@ -40,8 +41,8 @@ def check_choice(rig: Rig, laser: int, prior_radius: ArrayLike | None, branch: A
             raise InputError(f"Meetings of a ray with this surface have the numbers 0 to {most}; branch has others.")
     elif prior_radius is not None:
         radius = np.asarray(prior_radius, dtype=float)
-        if ((radius <= 0) | np.isinf(radius)).any():
-            raise InputError("prior_radius must be positive and finite; give the radius [m] that the wall has roughly.")
+        if ((radius < 1 / LARGEST["length"]) | (radius > LARGEST["length"])).any():
+            raise InputError("prior_radius must be positive and that of a pipe; give roughly the wall's radius [m].")
 
 
 def check_noise(u_pixel: NDArray[np.float64], probability: float | None = None) -> None:
