@@ -129,6 +129,12 @@ def test_a_ring_is_looked_for_on_no_more_rays_than_pixels_go_round_a_picture():
         detect_ring(np.zeros((90, 90), np.uint8), (45.0, 45.0), inner=5.0, outer=40.0, rays=70_000)
 
 
+@pytest.mark.parametrize("sector", [(-1e308, 1e308), (0.0, 1e9), (np.nan, 1.0)])
+def test_a_sector_beyond_any_turn_is_refused_before_it_overflows(sector):
+    with pytest.raises(InputError, match="sector must be two azimuths"):
+        detect_ring(np.zeros((90, 90), np.uint8), (45.0, 45.0), inner=5.0, outer=40.0, sectors=[(0.0, 6.0), sector])
+
+
 def peak_memory() -> int:
     """Bytes of address space: what is set aside and never touched is not resident."""
     with open("/proc/self/status", encoding="ascii") as file:

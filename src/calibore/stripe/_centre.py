@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibore.errors import InputError
+from calibore.units import LARGEST
 
 Array = NDArray[np.float64]
 WIDEST_GAP = 1 / 3
@@ -66,7 +67,7 @@ def in_sectors(azimuth: Array, sectors: Sequence[tuple[float, float]]) -> NDArra
     """Which image azimuths (n,) [rad] lie in one of the `sectors`, each (from, to) [rad] with rising azimuth."""
     inside = np.zeros(azimuth.shape, dtype=bool)
     for begin, end in sectors:
-        if not np.isfinite(begin) or not np.isfinite(end):
-            raise InputError(f"An alignment sector must be two finite azimuths in rad, got ({begin}, {end}).")
+        if not (abs(begin) <= LARGEST["angle"] and abs(end) <= LARGEST["angle"]):
+            raise InputError(f"An alignment sector must be two azimuths [rad] within some turns, got ({begin}, {end}).")
         inside |= np.mod(azimuth - begin, 2 * np.pi) <= np.mod(end - begin, 2 * np.pi)
     return inside
