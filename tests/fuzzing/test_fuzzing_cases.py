@@ -2,6 +2,7 @@
 
 import io
 import os
+import shutil
 import struct
 import tracemalloc
 from pathlib import Path
@@ -97,8 +98,6 @@ def test_an_export_replaces_no_device(tmp_path):
 
 
 def test_a_damaged_result_is_refused_in_a_sentence(tmp_path):
-    import shutil
-
     shutil.copytree(GOLDEN, tmp_path / "result")
     for chunk in (tmp_path / "result" / "profile.zarr" / "radius" / "c").rglob("*"):
         if chunk.is_file():
@@ -107,6 +106,17 @@ def test_a_damaged_result_is_refused_in_a_sentence(tmp_path):
         with pytest.raises(InputError, match=r"damaged|cannot be read"):
             read(tmp_path / "result")
     assert not (tmp_path / "points.txt").exists()
+
+
+@pytest.mark.parametrize("what", ["missing", "a folder"])
+def test_a_result_whose_metadata_is_no_file_is_damaged(tmp_path, what):
+    shutil.copytree(GOLDEN, tmp_path / "result")
+    metadata = tmp_path / "result" / "profile.zarr" / "zarr.json"
+    metadata.unlink()
+    if what == "a folder":
+        metadata.mkdir()
+    with pytest.raises(InputError, match=r"profile\.zarr cannot be read, it is damaged"):
+        read_profile(tmp_path / "result")
 
 
 def test_archive_metadata_nested_without_end_is_damage(tmp_path):

@@ -72,9 +72,11 @@ def damage_told(path: Path) -> Iterator[None]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a codec that is not known, in words for programmers
             yield
-    except (CaliboreError, OSError):
+    except CaliboreError:
         raise
     except Exception as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # of the system; zarr's own, for files that are not there, have no number
         why = " ".join(str(error).split())[:LONGEST_REASON].rstrip(".") or type(error).__name__
         raise InputError(
             f"{path} cannot be read, it is damaged ({why}); restore a copy, or run the profile again."
