@@ -16,9 +16,9 @@ from calibore.calibration._in_situ._file import read_table
 from calibore.errors import CaliboreError, InputError, OutputError
 from calibore.images import NamePattern, Video
 from calibore.images._archive_metadata import read_metadata
-from calibore.rigs import read_rig
+from calibore.rigs import read_rig, write_rig
 from calibore.scans import export, read_profile, read_scan
-from calibore.simulation import Overlay
+from calibore.simulation import Overlay, random_rig, read_subject
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "v1"
 LIMIT = 1 << 22
@@ -194,6 +194,27 @@ def test_an_archive_whose_name_no_system_takes_does_not_exist(tmp_path):
     (tmp_path / "scan.toml").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="names no existing archive"):
         read_scan(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("motion", "said"),
+    [
+        ("stations = 2147483647 }", "motion.axial.stations"),
+        ("stations = 3 }\ntakes = 2147483647", "motion.takes"),
+        ('stations = 90000 }\nangular = { step = "0.1 deg", stops = 3600 }', "324000000 stops"),
+    ],
+)
+def test_no_simulation_has_more_stations_than_memory_holds(tmp_path, motion, said):
+    kind = "side-facing" if "stops" in motion else "perpendicular-plane"
+    write_rig(random_rig(np.random.default_rng(1), 0.15, kind=kind), tmp_path / "rig.toml")
+    head = 'format = "calibore-simulation/1"\nname = "a"\nrig = "rig.toml"\n[pipe]\nnominal_radius = "6 in"\n[motion]\n'
+    (tmp_path / "simulation.toml").write_text(
+        f'{head}axial = {{ origin = "0 in", step = "1 in", {motion}\n', encoding="utf-8"
+    )
+    before = peak_memory()
+    with pytest.raises(InputError, match=said):
+        read_subject(tmp_path / "simulation.toml")
+    assert peak_memory() - before < 50_000_000  # it was 17 GB
 
 
 @pytest.mark.parametrize("text", ["{axial:4294967296f}", "{station[0]}", "{station.x}", "{depth}"])

@@ -15,7 +15,7 @@ from calibore.simulation._chance import draw_rig
 from calibore.simulation._light import LineLight
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._spec_effects import FinishTable, ImagesTable, LampTable, OverlayTable, WaterTable, WindowTable
-from calibore.simulation._spec_parts import Count, Number, PartTable
+from calibore.simulation._spec_parts import MOST, Count, Number, PartTable, Several
 from calibore.simulation._survey import Station, Survey
 from calibore.simulation._wall import PipeWall
 from calibore.simulation._wander import Wander
@@ -49,13 +49,13 @@ class PipeTable(Document):
 class AxialTable(Document):
     origin: Length
     step: Length
-    stations: Annotated[int, Strict(), Field(ge=1)]
+    stations: Several
 
 
 class _Angular(Document):
     origin: Angle = 0.0
     step: Angle
-    stops: Annotated[int, Strict(), Field(ge=1)]
+    stops: Several
 
 
 class PoseTable(Document):
@@ -76,7 +76,7 @@ class _Wander(Document):
 class _Motion(Document):
     axial: AxialTable
     angular: _Angular | None = None
-    takes: Annotated[int, Strict(), Field(ge=1)] = 1
+    takes: Several = 1
     pose: PoseTable = PoseTable()
     wander: _Wander = _Wander()
 
@@ -178,6 +178,9 @@ def rigs_of(spec: RigsNamed, path: Path, seed: int) -> tuple[Rig, Rig]:
 
 def _stations(motion: _Motion) -> tuple[Station, ...]:
     stops = [None] if motion.angular is None else range(motion.angular.stops)
+    total = motion.axial.stations * len(stops)
+    if total > 10 * MOST:
+        raise InputError(f"motion has {total} stops in all, at most {10 * MOST} can be simulated; give fewer stations.")
     return tuple(
         Station(number, motion.takes, angular=stop) for number, stop in product(range(motion.axial.stations), stops)
     )

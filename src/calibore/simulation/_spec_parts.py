@@ -21,6 +21,9 @@ from calibore.simulation._parts import (
 
 Number = Annotated[float, Strict()]
 Count = Annotated[int, Strict(), Field(ge=0)]
+MOST = 100_000
+Several = Annotated[int, Strict(), Field(ge=1, le=MOST)]
+"""Stations, stops, takes: as many as somebody could wait for, and memory holds."""
 
 
 class _Part(Document):

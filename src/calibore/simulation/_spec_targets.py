@@ -14,7 +14,7 @@ from calibore.rigs import Rig, SideFacing, read_camera
 from calibore.simulation._pin_target import Pin
 from calibore.simulation._sensor import Sensor
 from calibore.simulation._spec import LineTable, RigsNamed, SensorTable, light_of, rigs_of
-from calibore.simulation._spec_parts import Count, Number
+from calibore.simulation._spec_parts import MOST, Count, Number, Several
 from calibore.simulation._spec_touch import NotNegative, Positive, ProbeTable
 from calibore.simulation._targets import (
     BoardTarget,
@@ -29,7 +29,6 @@ from calibore.simulation._targets import (
 )
 from calibore.targets import Board
 
-Takes = Annotated[int, Strict(), Field(ge=1)]
 Place = tuple[Length, Length]
 
 
@@ -40,13 +39,13 @@ class _Target(Document):
 class _Rings(_Target):
     kind: Literal["concentric-rings"]
     ring_spacing: Positive
-    rings: Takes
-    spokes: Takes = RingTarget.spokes
+    rings: Several
+    spokes: Several = RingTarget.spokes
     ink_width: Positive | None = None
     centre: Place = (0.0, 0.0)
     roll: Angle = 0.0
     u_ring: NotNegative = 0.0
-    takes: Takes = 1
+    takes: Several = 1
 
 
 class _Range(_Target):
@@ -56,7 +55,7 @@ class _Range(_Target):
     origin: Length = 0.0
     u_range: NotNegative = 0.0
     slope: Number = 0.0
-    takes: Takes = RangeTarget.takes
+    takes: Several = RangeTarget.takes
     room_takes: tuple[Count, ...] = RangeTarget.room_takes
     room: Number = RangeTarget.room
 
@@ -71,7 +70,7 @@ class _Gauges(_Target):
     gauges: Annotated[tuple[_Gauge, ...], Field(min_length=1)]
     u: Positive = GaugeTarget.u
     u_tilt: Annotated[Angle, Field(gt=0)] = GaugeTarget.u_tilt
-    takes: Takes = 1
+    takes: Several = 1
 
 
 class _Pin(Document):
@@ -104,7 +103,7 @@ class _Board(_Target):
     marker: Positive | None = None
     dictionary: str = Board.dictionary
     dot: Positive | None = None
-    boards: Takes
+    boards: Several
     tilt: Annotated[Angle, Field(ge=0)] = 0.7
 
 
@@ -112,7 +111,7 @@ class _Probe(_Target):
     kind: Literal["probe"]
     probe: ProbeTable
     contacts: Annotated[tuple[Place, ...], Field(min_length=1)]
-    lengths: Annotated[int, Strict(), Field(ge=2)] = ProbeTarget.lengths
+    lengths: Annotated[int, Strict(), Field(ge=2, le=MOST)] = ProbeTarget.lengths
     bend: Length = 0.0
     wrong: tuple[Length, ...] = ()
     u_caliper: NotNegative = ProbeTarget.u_caliper

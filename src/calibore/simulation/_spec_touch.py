@@ -10,7 +10,7 @@ from calibore.documents import Angle, Document, Length, read_document
 from calibore.geometry import Pose
 from calibore.rigs import Probe, read_probe
 from calibore.simulation._spec import AxialTable, PipeTable, PoseTable
-from calibore.simulation._spec_parts import Count, Number
+from calibore.simulation._spec_parts import MOST, Count, Number
 from calibore.simulation._tactile import Diameters, Shank, Sticking, TactileSurvey
 from calibore.uncertainty import Covariance
 
@@ -45,7 +45,7 @@ class _Shank(Document):
 class _Diameters(Document):
     ring: Count = Diameters.ring
     stops: tuple[tuple[Count, Count], ...] = ()
-    lengths: Annotated[int, Strict(), Field(ge=2)] = Diameters.lengths
+    lengths: Annotated[int, Strict(), Field(ge=2, le=MOST)] = Diameters.lengths
     u_caliper: NotNegative = Diameters.u_caliper
     u_contact: NotNegative = Diameters.u_contact
     wrong: tuple[Length, ...] = ()
@@ -66,7 +66,7 @@ class _Tactile(Document):
 
 class _Angular(Document):
     origin: Angle = 0.0
-    stops: Annotated[int, Strict(), Field(ge=4)] = TactileSurvey.stops
+    stops: Annotated[int, Strict(), Field(ge=4, le=MOST)] = TactileSurvey.stops
 
 
 class _Motion(Document):
