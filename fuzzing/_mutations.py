@@ -60,9 +60,9 @@ def _place(data: bytes, rng: Random) -> int:
 
 def _flip(data: bytes, rng: Random, _: Sequence[bytes]) -> bytes:
     changed = bytearray(data)
-    for _ in range(1 + int(rng.integers(8))):
+    for _flipped in range(1 + int(rng.integers(8))):
         if changed:
-            changed[rng.integers(len(changed))] ^= 1 << int(rng.integers(8))
+            changed[int(rng.integers(len(changed)))] ^= 1 << int(rng.integers(8))
     return bytes(changed)
 
 
@@ -94,7 +94,7 @@ def _insert(data: bytes, rng: Random, _: Sequence[bytes]) -> bytes:
 
 
 def _splice(data: bytes, rng: Random, others: Sequence[bytes]) -> bytes:
-    other = others[rng.integers(len(others))] if others else b""
+    other = others[int(rng.integers(len(others)))] if others else b""
     return data[: _place(data, rng)] + other[_place(other, rng) :]
 
 
@@ -119,7 +119,7 @@ def _scaled(data: bytes, rng: Random, _: Sequence[bytes]) -> bytes:
     found = list(NUMBER.finditer(data))
     if not found:
         return data
-    one = found[rng.integers(len(found))]
+    one = found[int(rng.integers(len(found)))]
     power = f"{float(one[0]) * 10.0 ** int(rng.integers(-9, 10)):g}".encode()
     return data[: one.start()] + power + data[one.end() :]
 
@@ -128,7 +128,7 @@ def _replaced(pattern: re.Pattern[bytes], data: bytes, by: bytes, rng: Random) -
     found = list(pattern.finditer(data))
     if not found:
         return data + by
-    one = found[rng.integers(len(found))]
+    one = found[int(rng.integers(len(found)))]
     return data[: one.start()] + by + data[one.end() :]
 
 
@@ -144,7 +144,7 @@ def _lines(data: bytes, rng: Random, others: Sequence[bytes]) -> bytes:
     elif kind == 2:
         lines[at], lines[to] = lines[to], lines[at]
     elif others:
-        more = others[rng.integers(len(others))].split(b"\n")
+        more = others[int(rng.integers(len(others)))].split(b"\n")
         lines.insert(to, more[rng.integers(len(more))])
     return b"\n".join(lines)
 

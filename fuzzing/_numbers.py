@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ class Stripes:
         from calibore.stripe import detect_line, detect_ring
 
         image = _picture(rng)
-        how = {
+        how: dict[str, Any] = {
             "channel": str(rng.choice(["luma", "red", "green", "blue", "purple"])),
             "estimator": str(rng.choice(["zero-crossing", "parabola", "maximum", "centroid", "steger", "guess"])),
             "kernel": str(rng.choice(["native", "native", "scalar", "numpy"])),
@@ -59,7 +60,7 @@ class Stripes:
         centre = (number(rng, 0, 90), number(rng, 0, 90))
         rays = int(rng.choice([0, -1, 1, 15, 16, 17, 100, 360, 1500, 10**6]))
         sectors = [(number(rng, -9, 9), number(rng, -9, 9)) for _ in range(rng.integers(4))]
-        where = {"inner": number(rng, 0, 20), "outer": number(rng, 10, 80), "rays": rays}
+        where: dict[str, Any] = {"inner": number(rng, 0, 20), "outer": number(rng, 10, 80), "rays": rays}
         return [
             lambda: detect_ring(image, centre, sectors=sectors or None, **where, **how),
             lambda: detect_line(image, down=bool(rng.integers(2)), **how),
