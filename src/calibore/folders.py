@@ -51,7 +51,7 @@ def listed_in(marker: str, form: str) -> Known:
     """`Known` by the JSON file `marker`, whose "format" is `form` and whose "files" lists what else was written."""
 
     def known(folder: Path) -> set[str] | None:
-        with suppress(OSError, ValueError):
+        with suppress(OSError, ValueError, RecursionError):
             found = json.loads((folder / marker).read_text(encoding="utf-8"))
             if isinstance(found, dict) and found.get("format") == form and isinstance(found.get("files"), list):
                 return {marker, *found["files"]}

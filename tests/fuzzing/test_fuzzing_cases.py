@@ -13,11 +13,15 @@ from calibore._native import decode_image, image_size
 from PIL import Image
 
 from calibore.calibration._in_situ._file import read_table
+from calibore.comparison._files import is_tactile_result
 from calibore.errors import CaliboreError, InputError, OutputError
+from calibore.experiment._plan import REDUCED, _check_same
+from calibore.folders import listed_in
 from calibore.images import NamePattern, Video
 from calibore.images._archive_metadata import read_metadata
 from calibore.rigs import read_rig, write_rig
-from calibore.scans import export, read_profile, read_scan
+from calibore.scans import export, read_profile, read_rings, read_scan
+from calibore.scans._staging import read_summary
 from calibore.simulation import Overlay, random_rig, read_subject
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "v1"
@@ -221,3 +225,27 @@ def test_no_simulation_has_more_stations_than_memory_holds(tmp_path, motion, sai
 def test_no_overlay_fills_the_memory_or_looks_into_numbers(text):
     with pytest.raises(InputError, match="may hold"):
         Overlay(text)
+
+
+DEEP = "[" * 100_000
+
+
+@pytest.mark.parametrize("summary", [DEEP, "[]", '{"counts": 5}'])
+def test_a_summary_that_nothing_wrote_says_nothing_about_the_scan(tmp_path, summary):
+    (tmp_path / "summary.json").write_text(summary, encoding="utf-8")
+    assert not is_tactile_result(tmp_path)
+    assert read_summary(tmp_path) is None
+    assert listed_in("summary.json", "calibore-result/1")(tmp_path) is None
+
+
+def test_a_plan_nested_without_end_is_no_plan(tmp_path):
+    (tmp_path / "plan.json").write_text(DEEP, encoding="utf-8")
+    with pytest.raises(OutputError, match="is no plan of an experiment"):
+        _check_same(tmp_path / "plan.json", REDUCED)
+
+
+def test_a_column_of_numbers_that_no_integer_holds_is_one_of_numbers(tmp_path):
+    (tmp_path / "rings.csv").write_text(f"station,mean\n{10**400},1.0\n7,2.0\n", encoding="utf-8")
+    found = read_rings(tmp_path)
+    assert found["station"].dtype.kind == "f"
+    assert found["station"][1] == 7

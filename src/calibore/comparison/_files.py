@@ -39,9 +39,10 @@ def kind_of(folder: Path) -> str:
 
 def is_tactile_result(folder: Path) -> bool:
     """Whether a result folder is that of a tactile scan, by what its summary counts."""
-    with suppress(OSError, ValueError):
+    with suppress(OSError, ValueError, RecursionError):
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        return "readings" in summary.get("counts", {})
+        counts = summary.get("counts") if isinstance(summary, dict) else None
+        return isinstance(counts, dict) and "readings" in counts
     return False
 
 

@@ -102,7 +102,7 @@ def settle(out: Path, plan: Plan) -> None:
 def _check_same(note: Path, plan: Plan) -> None:
     try:
         found = json.loads(note.read_text(encoding="utf-8"))
-    except ValueError:
+    except (ValueError, RecursionError):
         found = None
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise OutputError(f"{note} is no plan of an experiment; choose an empty or new folder.")

@@ -146,7 +146,7 @@ def _continued(journal: Path, names: list[str], store: Path) -> dict[int, Import
             for line in lines[1:]:
                 try:
                     entry = Imported(**json.loads(line))
-                except (ValueError, TypeError):
+                except (ValueError, TypeError, RecursionError):
                     break  # the run died while it wrote this line
                 found[entry.number], whole = entry, whole + line
         else:

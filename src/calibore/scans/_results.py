@@ -93,6 +93,6 @@ def _open(out: Path, name: str) -> "xarray.Dataset":
 
 def _column(cells: list[str]) -> np.ndarray:
     for kind in (np.int64, np.float64):
-        with suppress(ValueError):
+        with suppress(ValueError, OverflowError):
             return np.array([kind(cell) for cell in cells], dtype=kind)
     return np.array(cells, dtype=str)

@@ -91,7 +91,7 @@ def _check_replaceable(out: Path, identity: str) -> None:
 
 def read_summary(out: Path) -> dict[str, Any] | None:
     """The summary of the result in `out`, or None where there is none that this program wrote."""
-    with suppress(OSError, ValueError):
+    with suppress(OSError, ValueError, RecursionError):
         summary = json.loads((out / SUMMARY).read_text(encoding="utf-8"))
         if isinstance(summary, dict) and {"format", "identity", "files"} <= summary.keys():
             return summary if summary["format"] == RESULT_FORMAT else None
