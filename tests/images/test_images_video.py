@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from calibore.errors import ImageError, InputError
-from calibore.images import Odometry, Video, read_odometry
+from calibore.images import Odometry, Video, _video, read_odometry
 
 RATE = 25
 FRAMES = 40
@@ -200,3 +200,28 @@ def test_memory_does_not_grow_with_the_length_of_the_video(tmp_path: Path) -> No
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < peaks[0] + 320 * 240
+
+
+def test_a_frame_whose_colours_nobody_can_make_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fuzzing found such a frame: its header claims a kind of colours that FFmpeg cannot convert from."""
+    path = write_video(tmp_path / "a.mp4")
+    convert, seen = av.VideoFrame.to_ndarray, []
+
+    class Frame:
+        def __init__(self, frame: av.VideoFrame) -> None:
+            self._frame = frame
+
+        def to_ndarray(self, **options: str) -> np.ndarray:
+            seen.append(self)
+            if len(seen) == 3:
+                raise av.error.OSError(95, "Operation not supported")
+            return convert(self._frame, **options)
+
+    pixels = _video.frame_pixels
+    monkeypatch.setattr(_video, "frame_pixels", lambda frame, channel: pixels(Frame(frame), channel))
+    video = Video(path, "red")
+    numbers = [images.station for images in video.stations()]
+    assert numbers == [number for number in range(FRAMES) if number != 2]
+    (refusal,) = video.refusals
+    assert (refusal.count, refusal.station) == (1, 2)
+    assert "cannot be turned into red, green and blue" in str(refusal)

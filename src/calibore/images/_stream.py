@@ -10,7 +10,8 @@ from typing import Any
 from calibore.errors import InputError
 from calibore.images._pace import Pace
 from calibore.images._source import Pixels, Refusal
-from calibore.images._video import FAILING_ON_DAMAGE, _Numbered, _pixels, _Refusals
+from calibore.images._video import FAILING_ON_DAMAGE, _Numbered, _Refusals
+from calibore.images._video_pixels import frame_pixels
 
 OPENING = 10.0
 """Seconds that a source may take to answer."""
@@ -51,7 +52,7 @@ class StreamFrame:
 
     def pixels(self, channel: str) -> Pixels:
         """As `Video` gives them."""
-        return _pixels(self._frame, channel)
+        return frame_pixels(self._frame, channel)
 
 
 class StreamFrames:

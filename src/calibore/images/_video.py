@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from calibore.errors import ImageError, InputError
 from calibore.images._source import Pixels, Refusal, StationImages
 from calibore.images._tables import Odometry
+from calibore.images._video_pixels import frame_pixels
 
 CHANNELS = ("luma", "red", "green", "blue")
 
@@ -73,8 +72,13 @@ class Video:
                     covered = f"the table covers {self.odometry.time[0]:g} s to {self.odometry.time[-1]:g} s"
                     self._refused.add(f"{SHORT_ODOMETRY} ({covered})", number)
                     continue
+                try:
+                    pixels = frame_pixels(frame, self.channel)
+                except ImageError as error:
+                    self._refused.add(str(error), number)
+                    continue
                 usable = True
-                yield _station(number, time, _pixels(frame, self.channel))
+                yield _station(number, time, pixels)
         if not usable:
             why = "; ".join(map(str, self.refusals)) or "it holds none"
             raise InputError(
@@ -231,23 +235,3 @@ def _station(number: int, time: float, pixels: Pixels) -> StationImages:
         return pixels
 
     return StationImages(number, (0,), read, time_s=time, names=(f"frame {number}",))
-
-
-def _pixels(frame: Any, channel: str) -> Pixels:
-    if channel != "luma":
-        return frame.to_ndarray(format="rgb24")
-    if not frame.format.name.startswith(("yuv4", "yuvj4", "gray", "nv12", "nv21", "p01")):
-        return frame.to_ndarray(format="gray")
-    return _plane(frame, frame.format.components[0].bits)
-
-
-def _plane(frame: Any, bits: int) -> Pixels:
-    """The first plane without the padding at the end of its lines."""
-    plane = frame.planes[0]
-    lines = np.frombuffer(plane, np.uint8)[: plane.line_size * frame.height].reshape(frame.height, plane.line_size)
-    if bits <= 8:
-        return lines[:, : frame.width].copy()
-    order = ">u2" if frame.format.name.endswith("be") else "<u2"
-    stored_high = frame.format.name.startswith("p01")  # these hold their bits at the top already
-    scaled = lines[:, : 2 * frame.width].copy().view(order).astype(np.uint16)
-    return np.left_shift(scaled, np.uint16(0 if stored_high else 16 - bits), dtype=np.uint16)
